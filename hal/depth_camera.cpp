@@ -1,0 +1,36 @@
+#include "hal/depth_camera.h"
+
+namespace cheval::hal {
+
+Expected<void> DepthCamera::open() {
+    const std::lock_guard lock(device_);
+    if (open_) {
+        return Error{.code = ErrorCode::invalidInput, .cause = "the camera is open already", .mend = "close it first"};
+    }
+    interrupt_.clear();
+    Expected<CameraInfo> opened = doOpen();
+    if (!opened) return std::move(opened).error();
+    info_ = std::move(*opened);
+    open_ = true;
+    return {};
+}
+
+void DepthCamera::close() {
+    interrupt_.raise();
+    const std::lock_guard lock(device_);
+    release();
+}
+
+void DepthCamera::release() {
+    if (!open_) return;
+    open_ = false;
+    doClose();
+}
+
+FrameStatus DepthCamera::waitFrame(Duration timeout, DepthFrame& frame) {
+    const std::lock_guard lock(device_);
+    if (!open_ || interrupt_.raised()) return FrameStatus::closed;
+    return doWaitFrame(timeout, frame, interrupt_);
+}
+
+}  // namespace cheval::hal
