@@ -19,6 +19,14 @@ namespace cheval::fitting {
 /// Immutable asset, made by cheval-bake. Rest pose (A-pose), metres, +Y up, facing +Z (glTF), floor at y = 0, so its
 /// left side lies at +X. A shopper who faces the glass looks along −Z of the mirror frame: a joint orientation there is
 /// half a turn about Y times the joint's own rotation.
+///
+/// A bone is numbered as the joint that it turns about and carries the flesh up to the next joint:
+///   torso: the whole trunk with pelvis and shoulder girdle, from the mid-point of the hips to the neck (its joint lies
+///   midway); neck: from the neck's base to the skull; head: the skull (its joint is the head's centre);
+///   shoulder: the upper arm, to the elbow; elbow: the forearm, to the wrist; hand: the hand (its joint is the palm's
+///   centre, so it turns rightly only as long as it turns with the forearm); hip: the thigh, to the knee; knee: the
+///   shin, to the ankle; foot: the foot.
+/// In rest pose every bone's orientation is the identity. The limbs' rest directions are those between joint centres.
 struct Body {
     CageTemplate cageTemplate;
     std::vector<Eigen::Vector3f> outerCage;    ///< Template order; `Body_OuterCage`.

@@ -48,7 +48,9 @@ struct CageTemplate {
     [[nodiscard]] std::size_t vertexCount() const { return uv.size(); }
 };
 
-/// FNV-1a (64 bit) over counts and raw little-endian values of uv, triangles, weld, mirrored and part, in that order.
+/// FNV-1a (64 bit, offset basis CBF29CE484222325, prime 100000001B3) over uv, triangles, weld, mirrored and part, in
+/// that order: for each its count as 64 bits, then its values, all little-endian (floats by their bits, a part as one
+/// byte). `hash` itself is left out.
 std::uint64_t hashCageTemplate(const CageTemplate& cageTemplate);
 
 }  // namespace cheval::fitting
