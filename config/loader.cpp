@@ -1,0 +1,212 @@
+#include "config/loader.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include "config/nearest_name.h"
+#include "config/settings_table.h"
+#include "config/toml_reader.h"
+
+namespace cheval::config {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+LoadedSettings startFromDefaults() {
+    LoadedSettings loaded;
+    loaded.settings = defaultSettings();
+    loaded.origins.resize(settingsTable().size());
+    return loaded;
+}
+
+void readFile(const fs::path& path, LoadedSettings& loaded) {
+    std::error_code failed;
+    const std::uintmax_t size = fs::is_regular_file(path, failed) ? fs::file_size(path, failed) : 0;
+    std::ifstream stream(path, std::ios::binary);
+    if (failed || !stream || !fs::is_regular_file(path, failed)) {
+        addProblem(loaded, Error{.code = ErrorCode::unavailable,
+                                 .cause = "the file cannot be read",
+                                 .mend = "check that it is a file and may be read by the service's user",
+                                 .file = path.string()});
+        return;
+    }
+    if (size > kMaximumFileBytes) {
+        addProblem(loaded, Error{.code = ErrorCode::invalidInput,
+                                 .cause = "the file has " + std::to_string(size) + " bytes",
+                                 .mend = "keep settings files under " + std::to_string(kMaximumFileBytes) + " bytes",
+                                 .why = "nobody writes that many settings",
+                                 .file = path.string()});
+        return;
+    }
+    std::string text(static_cast<std::size_t>(size), '\0');
+    stream.read(text.data(), static_cast<std::streamsize>(size));
+    text.resize(static_cast<std::size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
+    loaded.files.push_back(path.string());
+    readToml(text, path.string(), loaded);
+}
+
+std::vector<fs::path> dropIns(const fs::path& folder, LoadedSettings& loaded) {
+    std::vector<fs::path> files;
+    std::error_code failed;
+    for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
+        const fs::path& path = entry->path();
+        if (path.extension() != ".toml" || path.filename().string().starts_with('.')) continue;
+        if (files.size() == kMaximumDropIns) {
+            addProblem(loaded, Error{.code = ErrorCode::invalidInput,
+                                     .cause = "there are too many drop-ins",
+                                     .mend = "keep at most " + std::to_string(kMaximumDropIns),
+                                     .file = folder.string()});
+            break;
+        }
+        files.push_back(path);
+    }
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+std::size_t rowOf(std::string_view path) {
+    const std::span<const Setting> table = settingsTable();
+    return static_cast<std::size_t>(
+        std::find_if(table.begin(), table.end(), [path](const Setting& setting) { return setting.path == path; }) -
+        table.begin());
+}
+
+/// Rules between settings; the problem points at where `path` was set.
+void refuse(LoadedSettings& loaded, std::string_view path, std::string cause, std::string mend, std::string why) {
+    const SettingOrigin& origin = loaded.origins[rowOf(path)];
+    addProblem(loaded, Error{.code = ErrorCode::invalidInput,
+                             .cause = std::move(cause),
+                             .mend = std::move(mend),
+                             .why = std::move(why),
+                             .file = origin.file,
+                             .line = origin.line,
+                             .key = std::string(path)});
+}
+
+void checkOutfits(LoadedSettings& loaded) {
+    const auto& wardrobe = loaded.settings.wardrobe;
+    const std::vector<std::string_view> garments(wardrobe.garments.begin(), wardrobe.garments.end());
+    for (const std::string& garment : wardrobe.garments) {
+        if (garment.find_first_of("/+") == std::string::npos && !garment.starts_with('.')) continue;
+        refuse(loaded, "wardrobe.garments", "\"" + garment + "\" is not a garment's name",
+               "give the file's name without folder and .glb",
+               "names are joined by + to outfits, and garments come from wardrobe.folder alone");
+        return;
+    }
+    for (const std::string& outfit : wardrobe.outfits) {
+        for (std::size_t begin = 0; begin <= outfit.size();) {
+            const std::size_t end = std::min(outfit.find('+', begin), outfit.size());
+            const std::string name = outfit.substr(begin, end - begin);
+            if (std::find(garments.begin(), garments.end(), name) == garments.end()) {
+                refuse(loaded, "wardrobe.outfits",
+                       "\"" + outfit + "\" names \"" + name + "\", which is not in wardrobe.garments",
+                       garments.empty() ? "add it to wardrobe.garments"
+                                        : "did you mean \"" + std::string(nearestName(name, garments)) +
+                                              "\"? Else add it to wardrobe.garments",
+                       "an outfit is made of garments that are loaded");
+            }
+            begin = end + 1;
+        }
+    }
+    const std::vector<std::string_view> outfits(wardrobe.outfits.begin(), wardrobe.outfits.end());
+    if (!outfits.empty() && std::find(outfits.begin(), outfits.end(), wardrobe.startOutfit) == outfits.end()) {
+        refuse(loaded, "wardrobe.start_outfit", "\"" + wardrobe.startOutfit + "\" is not in wardrobe.outfits",
+               "did you mean \"" + std::string(nearestName(wardrobe.startOutfit, outfits)) + "\"?",
+               "a visit starts with one of the outfits");
+    }
+}
+
+void checkTogether(LoadedSettings& loaded) {
+    const Settings& settings = loaded.settings;
+    if (settings.sensor.source == SensorSource::replay && settings.sensor.folder.empty()) {
+        refuse(loaded, "sensor.source", "there is no recording to play", "set sensor.folder",
+               "source \"replay\" plays the folder that sensor.folder names");
+    }
+    if (settings.display.kind == DisplayKind::preview && !settings.preview.enabled) {
+        refuse(
+            loaded, "display.kind", "the preview is not enabled", "set preview.enabled = true, or another display.kind",
+            "the preview shows what the camera sees to whoever uses this machine, so it is off unless it is asked for");
+    }
+    if (settings.zone.nearMetres >= settings.zone.farMetres) {
+        refuse(loaded, "zone.near_m", "the zone ends before it begins", "make zone.near_m less than zone.far_m",
+               "nobody could stand in it");
+    }
+    checkOutfits(loaded);
+}
+
+std::string indented(std::string_view sentence) {
+    return "# " + std::string(sentence) + "\n";
+}
+
+}  // namespace
+
+LoadedSettings loadSettings(const LoadOptions& options) {
+    LoadedSettings loaded = startFromDefaults();
+    std::error_code failed;
+    if (!options.shippedFile.empty() && fs::exists(options.shippedFile, failed)) readFile(options.shippedFile, loaded);
+    const fs::path folder(options.folder);
+    if (!options.folder.empty()) {
+        const std::size_t before = loaded.files.size() + loaded.problems.size();
+        if (fs::exists(folder / "cheval.toml", failed)) readFile(folder / "cheval.toml", loaded);
+        for (const fs::path& file : dropIns(folder / "cheval.toml.d", loaded))
+            readFile(file, loaded);
+        if (options.folderRequired && loaded.files.size() + loaded.problems.size() == before) {
+            addProblem(loaded, Error{.code = ErrorCode::notFound,
+                                     .cause = "there are no settings in this folder",
+                                     .mend = "put a cheval.toml in it, or name another folder with --config",
+                                     .why = "settings are read from cheval.toml and cheval.toml.d/*.toml",
+                                     .file = options.folder});
+        }
+    }
+    if (loaded.good()) checkTogether(loaded);
+    return loaded;
+}
+
+LoadedSettings loadSettingsText(std::string_view text, const std::string& name) {
+    LoadedSettings loaded = startFromDefaults();
+    if (text.size() > kMaximumFileBytes) {
+        addProblem(loaded, Error{.code = ErrorCode::invalidInput, .cause = "the text is too long", .file = name});
+        return loaded;
+    }
+    loaded.files.push_back(name);
+    readToml(text, name, loaded);
+    if (loaded.good()) checkTogether(loaded);
+    return loaded;
+}
+
+std::string describeSettings(const Settings& settings, const std::vector<SettingOrigin>& origins) {
+    std::string text;
+    const std::span<const Setting> table = settingsTable();
+    for (const Section& section : settingsSections()) {
+        if (!text.empty()) text += '\n';
+        text += indented(section.sentence) + "[" + std::string(section.name) + "]\n";
+        for (std::size_t i = 0; i < table.size(); ++i) {
+            const Setting& setting = table[i];
+            if (setting.section != section.name) continue;
+            text += indented(setting.sentence);
+            std::string limits;
+            if (setting.kind == SettingKind::integer) {
+                limits = std::to_string(static_cast<std::int64_t>(setting.low)) + " to " +
+                         std::to_string(static_cast<std::int64_t>(setting.high));
+            } else if (setting.kind == SettingKind::real) {
+                limits = toToml(setting.low) + " to " + toToml(setting.high);
+            } else if (setting.kind == SettingKind::choice) {
+                for (const std::string_view name : choiceNames(setting))
+                    limits += (limits.empty() ? "\"" : ", \"") + std::string(name) + "\"";
+            }
+            if (!setting.unit.empty()) limits += " " + std::string(setting.unit);
+            if (!limits.empty()) text += indented(limits);
+            text += std::string(setting.key) + " = " + toToml(setting.get(settings));
+            if (i < origins.size() && !origins[i].file.empty())
+                text += "  # " + origins[i].file + ":" + std::to_string(origins[i].line);
+            text += '\n';
+        }
+    }
+    return text;
+}
+
+}  // namespace cheval::config

@@ -1,0 +1,59 @@
+// Reads settings: /etc/cheval/cheval.toml and cheval.toml.d/*.toml, in the order of their names, over the shipped
+// cheval.toml, over the table's defaults (DESIGN §9).
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/settings.h"
+#include "hal/expected.h"
+
+namespace cheval::config {
+
+/// Where the product's files are.
+inline constexpr std::string_view kShippedFile = "/usr/lib/cheval/cheval.toml";
+inline constexpr std::string_view kSystemFolder = "/etc/cheval";
+
+/// Bounds on what is read, checked before anything is parsed.
+inline constexpr std::size_t kMaximumFileBytes = 256U << 10U;
+inline constexpr std::size_t kMaximumDropIns = 64;
+/// Problems kept; a file with more has other troubles.
+inline constexpr std::size_t kMaximumProblems = 32;
+
+struct LoadOptions {
+    std::string shippedFile = std::string(kShippedFile);
+    std::string folder = std::string(kSystemFolder);
+    /// The folder was named by a person: it is a problem when it, or anything to read in it, is missing.
+    bool folderRequired = false;
+};
+
+/// Where a setting got its value; an empty file means the table's default.
+struct SettingOrigin {
+    std::string file;
+    int line = 0;
+};
+
+/// What a load came to. With problems, `settings` is what could be understood and must not be used: keep the last good
+/// ones.
+struct LoadedSettings {
+    Settings settings;
+    std::vector<Error> problems;         ///< Each with cause, mend and why; file, line and key where they apply.
+    std::vector<SettingOrigin> origins;  ///< In the order of settingsTable().
+    std::vector<std::string> files;      ///< What was read, in order.
+
+    [[nodiscard]] bool good() const { return problems.empty(); }
+};
+
+/// Never throws and never stops at the first problem: a technician gets the whole list.
+LoadedSettings loadSettings(const LoadOptions& options);
+
+/// Reads one text over the defaults, as if it were the file `name`. For tests, checks and fuzzing.
+LoadedSettings loadSettingsText(std::string_view text, const std::string& name);
+
+/// All settings as a cheval.toml with sentences, units and ranges as comments; of `origins` (may be empty), where each
+/// value came from. The shipped cheval.toml is this text for the defaults.
+std::string describeSettings(const Settings& settings, const std::vector<SettingOrigin>& origins);
+
+}  // namespace cheval::config
