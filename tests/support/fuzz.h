@@ -7,6 +7,7 @@
 
 /// Feeds one input to the code under test, which must neither crash nor take memory or time out of proportion. Returns
 /// 0.
+// NOLINTNEXTLINE(readability-identifier-naming): the name is libFuzzer's.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace cheval::test {
