@@ -17,7 +17,7 @@ struct TimeLine {
     using rep = duration::rep;
     using period = duration::period;
     using time_point = std::chrono::time_point<TimeLine>;
-    static constexpr bool is_steady = true;
+    static constexpr bool is_steady = true;  // NOLINT(readability-identifier-naming): the standard's name.
 };
 using TimePoint = TimeLine::time_point;
 
