@@ -1,0 +1,41 @@
+#include "fitting/tracking/background.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cheval::fitting::tracking {
+
+Background::Background() : depth_(kCloudCells), waiting_(kCloudCells) {}
+
+void Background::reset() {
+    std::fill(depth_.begin(), depth_.end(), 0.0F);
+    std::fill(waiting_.begin(), waiting_.end(), 0.0F);
+}
+
+void Background::learn(const Cloud& cloud, std::span<const std::uint8_t> users, std::span<const std::uint8_t> scenery,
+                       float elapsed) {
+    constexpr float kFollow = 0.05F;
+    for (std::size_t i = 0; i < kCloudCells; ++i) {
+        const float depth = cloud.depth[i];
+        if (depth <= 0.0F || users[i] != 0) {
+            waiting_[i] = 0.0F;
+            continue;
+        }
+        float& known = depth_[i];
+        if (known > 0.0F && std::abs(depth - known) < depthTolerance(depth)) {
+            known += kFollow * (depth - known);
+            waiting_[i] = 0.0F;
+        } else if (scenery[i] != 0 || (known > 0.0F && depth > known)) {
+            known = depth;
+            waiting_[i] = 0.0F;
+        } else {
+            waiting_[i] += elapsed;
+            if (waiting_[i] >= kSettleSeconds) {
+                known = depth;
+                waiting_[i] = 0.0F;
+            }
+        }
+    }
+}
+
+}  // namespace cheval::fitting::tracking

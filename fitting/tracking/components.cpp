@@ -1,0 +1,106 @@
+#include "fitting/tracking/components.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cheval::fitting::tracking {
+namespace {
+
+constexpr float kTopBand = 0.14F;
+
+std::uint32_t findRoot(std::span<std::uint32_t> parents, std::uint32_t cell) {
+    while (parents[cell] != cell) {
+        parents[cell] = parents[parents[cell]];
+        cell = parents[cell];
+    }
+    return cell;
+}
+
+/// The smaller index becomes the root, so that a root is its component's first cell in raster order.
+void join(std::span<std::uint32_t> parents, std::uint32_t a, std::uint32_t b) {
+    a = findRoot(parents, a);
+    b = findRoot(parents, b);
+    if (a < b) parents[b] = a;
+    if (b < a) parents[a] = b;
+}
+
+void add(Component& component, const Cloud& cloud, std::size_t cell) {
+    const Eigen::Vector3f point = cloud.point(cell);
+    if (component.cells == 0) {
+        component.lower = component.upper = point;
+    } else {
+        component.lower = component.lower.cwiseMin(point);
+        component.upper = component.upper.cwiseMax(point);
+    }
+    ++component.cells;
+    component.centroid += point;
+    const float side = cloud.cellSize(cloud.depth[cell]);
+    component.area += side * side;
+    component.touchesLeft |= cellColumn(cell) < 2;
+    component.touchesRight |= cellColumn(cell) >= kCloudWidth - 2;
+}
+
+}  // namespace
+
+void ComponentsJob::run() {
+    count = 0;
+    for (std::uint32_t cell = 0; cell < kCloudCells; ++cell) {
+        scratch[cell] = cell;
+        if (mask[cell] == 0) continue;
+        const float depth = cloud->depth[cell];
+        const float tolerance = depthTolerance(depth);
+        const auto same = [&](std::uint32_t other) {
+            return mask[other] != 0 && std::abs(cloud->depth[other] - depth) < tolerance;
+        };
+        if (cellColumn(cell) > 0 && same(cell - 1)) join(scratch, cell - 1, cell);
+        if (cell >= kCloudWidth && same(cell - kCloudWidth)) join(scratch, cell - kCloudWidth, cell);
+    }
+    // Sizes first, so that specks take none of the 255 numbers. Sizes are kept in the roots' own entries, marked by a
+    // high bit: no second array.
+    constexpr std::uint32_t kSizeMark = 0x80000000U;
+    for (std::uint32_t cell = kCloudCells; cell-- > 0;) {
+        if (mask[cell] != 0 && scratch[cell] != cell) scratch[cell] = findRoot(scratch, cell);
+    }
+    for (std::uint32_t cell = 0; cell < kCloudCells; ++cell) {
+        if (mask[cell] == 0) continue;
+        const std::uint32_t entry = scratch[cell];
+        const bool root = entry == cell;
+        if (root) {
+            scratch[cell] = kSizeMark | 1U;
+        } else {
+            ++scratch[entry];
+        }
+    }
+    for (std::uint32_t cell = 0; cell < kCloudCells; ++cell) {
+        labels[cell] = 0;
+        if (mask[cell] == 0) continue;
+        const std::uint32_t entry = scratch[cell];
+        if ((entry & kSizeMark) != 0) {
+            if (static_cast<int>(entry & ~kSizeMark) >= leastCells && count < kMaximumComponents) {
+                components[++count] = Component{};
+                labels[cell] = static_cast<std::uint8_t>(count);
+            }
+        } else {
+            labels[cell] = labels[entry];
+        }
+        if (labels[cell] != 0) add(components[labels[cell]], *cloud, cell);
+    }
+    float least[kMaximumComponents + 1];
+    float most[kMaximumComponents + 1];
+    std::fill(std::begin(least), std::end(least), 1e3F);
+    std::fill(std::begin(most), std::end(most), -1e3F);
+    for (std::size_t cell = 0; cell < kCloudCells; ++cell) {
+        const std::uint8_t label = labels[cell];
+        if (label == 0 || cloud->y[cell] < components[label].upper.y() - kTopBand) continue;
+        least[label] = std::min(least[label], cloud->x[cell]);
+        most[label] = std::max(most[label], cloud->x[cell]);
+        const float side = cloud->cellSize(cloud->depth[cell]);
+        components[label].topArea += side * side;
+    }
+    for (std::size_t i = 1; i <= count; ++i) {
+        components[i].centroid /= static_cast<float>(components[i].cells);
+        components[i].topWidth = std::max(0.0F, most[i] - least[i]);
+    }
+}
+
+}  // namespace cheval::fitting::tracking

@@ -1,0 +1,303 @@
+#include "fitting/tracking/people.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace cheval::fitting::tracking {
+namespace {
+
+/// What lies lower is floor, carpet and its noise.
+constexpr float kFloorBand = 0.045F;
+/// How far beyond the zone limbs may reach and people are still told apart from the wall.
+constexpr float kZoneMargin = 0.7F;
+constexpr float kWalkedMetres = 0.35F;
+/// What has never walked and has not changed its outline for this long is a mannequin.
+constexpr double kMannequinSeconds = 10.0;
+constexpr double kForgetSeconds = 2.0;
+
+}  // namespace
+
+bool looksLikePerson(const Component& component) {
+    const Eigen::Vector3f size = component.upper - component.lower;
+    if (component.area < 0.07F || component.area > 1.5F) return false;
+    if (size.y() < 0.40F || size.x() > 2.1F || size.z() > 1.6F) return false;
+    if (component.upper.y() < 0.6F || component.upper.y() > 2.45F) return false;
+    return !looksLikeScenery(component);
+}
+
+bool looksLikeScenery(const Component& component) {
+    const Eigen::Vector3f size = component.upper - component.lower;
+    if (component.area > 2.0F || size.x() > 2.4F) return true;
+    if (component.touchesLeft && component.touchesRight) return true;
+    // A shelf, a rail or a box is wide and filled at the top, where a person has a head (or two hands far apart).
+    constexpr float kTopBand = 0.14F;
+    return component.area > 0.05F && component.topWidth > 0.36F &&
+           component.topArea > 0.70F * component.topWidth * std::min(kTopBand, size.y());
+}
+
+People::People(const Zone& zone)
+    : zone_(zone),
+      mask_(kCloudCells),
+      componentLabels_(kCloudCells),
+      labels_(kCloudCells),
+      previousLabels_(kCloudCells),
+      scenery_(kCloudCells),
+      scratch_(kCloudCells),
+      components_(kMaximumComponents + 1) {}
+
+void People::reset() {
+    background_.reset();
+    std::fill(labels_.begin(), labels_.end(), std::uint8_t{0});
+    std::fill(previousLabels_.begin(), previousLabels_.end(), std::uint8_t{0});
+    people_ = {};
+    activeId_ = 0;
+    started_ = false;
+    users_ = {};
+}
+
+void People::seeNothing(hal::TimePoint time) {
+    std::fill(labels_.begin(), labels_.end(), std::uint8_t{0});
+    for (Person& person : people_) {
+        person.seen = false;
+    }
+    forgetTheGone(time);
+    chooseActive(time);
+    users_.count = 0;
+}
+
+void People::update(const Cloud& cloud, hal::TimePoint time, bool floorKnown) {
+    const float elapsed = started_ ? std::clamp(static_cast<float>(hal::seconds(time - lastTime_)), 0.0F, 0.5F) : 0.0F;
+    started_ = true;
+    lastTime_ = time;
+    std::swap(labels_, previousLabels_);
+
+    findForeground(cloud, floorKnown);
+    ComponentsJob job{.cloud = &cloud,
+                      .mask = mask_,
+                      .leastCells = 12,
+                      .scratch = scratch_,
+                      .labels = componentLabels_,
+                      .components = components_};
+    job.run();
+    componentCount_ = job.count;
+
+    for (Person& person : people_) {
+        person.seen = false;
+    }
+    assignComponents();
+    for (std::size_t i = 1; i <= componentCount_; ++i) {
+        if (owner_[i] == 0 && looksLikePerson(components_[i])) adopt(i, time);
+    }
+    attachFragments();
+    labelCells(cloud);
+    measurePeople(cloud, time);
+
+    for (std::size_t i = 0; i < kCloudCells; ++i) {
+        const std::uint8_t component = componentLabels_[i];
+        scenery_[i] =
+            mask_[i] == 0 || (component != 0 && owner_[component] == 0 && looksLikeScenery(components_[component])) ? 1
+                                                                                                                    : 0;
+    }
+    background_.learn(cloud, labels_, scenery_, elapsed);
+    forgetTheGone(time);
+    chooseActive(time);
+}
+
+void People::findForeground(const Cloud& cloud, bool floorKnown) {
+    // Where nobody knows the floor, nothing may be cut away as floor.
+    const float lowest = floorKnown ? kFloorBand : -10.0F;
+    for (std::size_t i = 0; i < kCloudCells; ++i) {
+        const float depth = cloud.depth[i];
+        mask_[i] = depth > 0.0F && cloud.y[i] > lowest && cloud.y[i] < 2.7F &&
+                           cloud.z[i] < zone_.farMetres + kZoneMargin &&
+                           std::abs(cloud.x[i]) < zone_.halfWidthMetres + kZoneMargin && background_.isInFront(cloud, i)
+                       ? 1
+                       : 0;
+    }
+}
+
+void People::assignComponents() {
+    owner_.fill(0);
+    shared_.fill(false);
+    // How many cells of each component lay on each person in the frame before.
+    std::array<std::array<int, kMaximumUsers>, kMaximumComponents + 1> overlap{};
+    for (std::size_t i = 0; i < kCloudCells; ++i) {
+        if (componentLabels_[i] != 0 && previousLabels_[i] != 0) {
+            ++overlap[componentLabels_[i]][previousLabels_[i] - 1U];
+        }
+    }
+    for (std::size_t i = 1; i <= componentCount_; ++i) {
+        // A wall that a person touches must not swallow that person's name.
+        if (looksLikeScenery(components_[i]) && components_[i].area > 2.5F) continue;
+        const auto& cells = overlap[i];
+        const auto best = std::max_element(cells.begin(), cells.end());
+        const int significant = components_[i].cells / 5;
+        if (*best < std::max(4, significant)) continue;
+        const auto person = static_cast<std::size_t>(best - cells.begin());
+        // The same place at another depth is another thing: somebody who stepped in front, or the wall behind.
+        const float away = std::abs(components_[i].centroid.z() - people_[person].centroid.z());
+        if (people_[person].id == 0 || away > 0.8F) continue;
+        owner_[i] = static_cast<std::uint8_t>(person + 1);
+        people_[person].seen = true;
+        for (std::size_t other = 0; other < kMaximumUsers; ++other) {
+            if (other != person && people_[other].id != 0 && cells[other] > significant && cells[other] > 150) {
+                shared_[i] = true;
+                people_[other].seen = true;
+            }
+        }
+    }
+}
+
+void People::adopt(std::size_t component, hal::TimePoint time) {
+    const Eigen::Vector3f& centroid = components_[component].centroid;
+    // Somebody who was lost a moment ago, near here, comes back under the same name.
+    Person* place = nullptr;
+    float nearest = 0.8F;
+    for (Person& person : people_) {
+        const float away = (person.centroid - centroid).norm();
+        if (person.id != 0 && !person.seen && away < nearest) {
+            nearest = away;
+            place = &person;
+        }
+    }
+    if (place == nullptr) {
+        for (Person& person : people_) {
+            if (person.id == 0) {
+                place = &person;
+                break;
+            }
+        }
+        if (place == nullptr) return;
+        *place = Person{};
+        place->id = nextId_++;
+        place->birthplace = centroid;
+        place->lastMoved = time;
+    }
+    place->seen = true;
+    place->centroid = centroid;
+    owner_[component] = static_cast<std::uint8_t>(place - people_.data() + 1);
+}
+
+void People::attachFragments() {
+    // Boxes of what is surely each person's.
+    std::array<Eigen::AlignedBox3f, kMaximumUsers> boxes;
+    for (std::size_t i = 1; i <= componentCount_; ++i) {
+        if (owner_[i] == 0) continue;
+        boxes[owner_[i] - 1U].extend(components_[i].lower);
+        boxes[owner_[i] - 1U].extend(components_[i].upper);
+    }
+    for (std::size_t i = 1; i <= componentCount_; ++i) {
+        const Component& fragment = components_[i];
+        if (owner_[i] != 0 || fragment.area > 0.15F || looksLikeScenery(fragment)) continue;
+        float nearest = 1e3F;
+        for (std::size_t person = 0; person < kMaximumUsers; ++person) {
+            if (boxes[person].isEmpty()) continue;
+            // Arms reach towards the sensor and to the sides; behind a person's back there is only scenery.
+            Eigen::AlignedBox3f reach = boxes[person];
+            reach.min() -= Eigen::Vector3f(0.15F, 0.10F, 0.55F);
+            reach.max() += Eigen::Vector3f(0.15F, 0.20F, 0.05F);
+            if (!reach.contains(fragment.centroid)) continue;
+            const float away = (boxes[person].center() - fragment.centroid).norm();
+            if (away < nearest) {
+                nearest = away;
+                owner_[i] = static_cast<std::uint8_t>(person + 1);
+            }
+        }
+    }
+}
+
+void People::labelCells(const Cloud& cloud) {
+    for (std::size_t i = 0; i < kCloudCells; ++i) {
+        const std::uint8_t component = componentLabels_[i];
+        std::uint8_t label = component == 0 ? std::uint8_t{0} : owner_[component];
+        if (component != 0 && shared_[component]) {
+            // Two people in one surface: each cell goes to whoever was there, else to the nearer of them.
+            const std::uint8_t before = previousLabels_[i];
+            if (before != 0 && people_[before - 1U].seen) {
+                label = before;
+            } else {
+                float nearest = 1e3F;
+                for (std::size_t person = 0; person < kMaximumUsers; ++person) {
+                    if (people_[person].id == 0 || !people_[person].seen) continue;
+                    const float away = (people_[person].centroid - cloud.point(i)).norm();
+                    if (away < nearest) {
+                        nearest = away;
+                        label = static_cast<std::uint8_t>(person + 1);
+                    }
+                }
+            }
+        }
+        labels_[i] = label;
+    }
+}
+
+void People::measurePeople(const Cloud& cloud, hal::TimePoint time) {
+    std::array<Component, kMaximumUsers> sums{};
+    std::array<int, kMaximumUsers> changed{};
+    for (std::size_t i = 0; i < kCloudCells; ++i) {
+        if (labels_[i] != previousLabels_[i]) {
+            if (labels_[i] != 0) ++changed[labels_[i] - 1U];
+            if (previousLabels_[i] != 0) ++changed[previousLabels_[i] - 1U];
+        }
+        if (labels_[i] == 0) continue;
+        Component& sum = sums[labels_[i] - 1U];
+        const Eigen::Vector3f point = cloud.point(i);
+        sum.lower = sum.cells == 0 ? point : sum.lower.cwiseMin(point);
+        sum.upper = sum.cells == 0 ? point : sum.upper.cwiseMax(point);
+        sum.centroid += point;
+        ++sum.cells;
+    }
+    for (std::size_t k = 0; k < kMaximumUsers; ++k) {
+        Person& person = people_[k];
+        const Component& sum = sums[k];
+        person.seen = person.id != 0 && sum.cells > 60;
+        if (!person.seen) continue;
+        person.centroid = sum.centroid / static_cast<float>(sum.cells);
+        person.lastSeen = time;
+        if ((person.centroid - person.birthplace).head<3>().norm() > kWalkedMetres) person.walked = true;
+        // The sensor's ragged outlines flicker by a few percent.
+        if (changed[k] * 12 > sum.cells) person.lastMoved = time;
+        if (!person.walked && hal::seconds(time - person.lastMoved) > kMannequinSeconds) {
+            // Stands like furniture: let the background have it.
+            person = Person{};
+            for (std::size_t i = 0; i < kCloudCells; ++i) {
+                if (labels_[i] == k + 1) labels_[i] = mask_[i] = 0;
+            }
+            continue;
+        }
+        person.user = User{.id = person.id,
+                           .centroid = person.centroid,
+                           .lower = sum.lower,
+                           .upper = sum.upper,
+                           .pixels = sum.cells * 4,
+                           .label = static_cast<std::uint8_t>(k + 1)};
+    }
+}
+
+void People::forgetTheGone(hal::TimePoint time) {
+    for (Person& person : people_) {
+        if (person.id != 0 && !person.seen && hal::seconds(time - person.lastSeen) > kForgetSeconds) person = Person{};
+    }
+}
+
+void People::chooseActive(hal::TimePoint time) {
+    users_.count = 0;
+    const Person* nearest = nullptr;
+    const Person* held = nullptr;
+    for (const Person& person : people_) {
+        if (person.id == 0) continue;
+        if (person.id == activeId_) held = &person;
+        if (!person.seen) continue;
+        users_.users[users_.count++] = person.user;
+        if (zone_.contains(person.centroid) && (nearest == nullptr || person.centroid.z() < nearest->centroid.z())) {
+            nearest = &person;
+        }
+    }
+    const bool gone = held == nullptr || hal::seconds(time - held->lastSeen) > kDwellSeconds ||
+                      (held->seen && !zone_.contains(held->centroid));
+    if (gone) activeId_ = nearest == nullptr ? 0 : nearest->id;
+    users_.activeId = activeId_;
+}
+
+}  // namespace cheval::fitting::tracking

@@ -1,0 +1,91 @@
+// Who is who: components become users with IDs, one of whom is being dressed.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "fitting/tracking/background.h"
+#include "fitting/tracking/cloud.h"
+#include "fitting/tracking/components.h"
+#include "fitting/users.h"
+#include "hal/clock.h"
+
+namespace cheval::fitting::tracking {
+
+/// Where a person is dressed: metres from the glass, and to either side of the display's centre.
+struct Zone {
+    float nearMetres = 0.5F;
+    float farMetres = 4.5F;
+    float halfWidthMetres = 1.5F;
+
+    [[nodiscard]] bool contains(const Eigen::Vector3f& mirror) const {
+        return mirror.z() >= nearMetres && mirror.z() <= farMetres && std::abs(mirror.x()) <= halfWidthMetres;
+    }
+};
+
+/// True for a component that may be a person: by area, height, and a top as narrow as a head or hands rather than a
+/// shelf's. Children and people in wheelchairs included.
+bool looksLikePerson(const Component& component);
+/// True for what can only be a wall, a rack or furniture.
+bool looksLikeScenery(const Component& component);
+
+/// Finds the people of each frame. Owns the background. Thread-bound; takes no memory after construction.
+class People {
+  public:
+    explicit People(const Zone& zone);
+    void reset();
+
+    /// Reads a cloud; `time` is its capture time. Points under `floorBand` metres are floor.
+    void update(const Cloud& cloud, hal::TimePoint time, bool floorKnown);
+    /// Nothing could be seen in a frame at `time`: nobody is present, and time passes for those who were.
+    void seeNothing(hal::TimePoint time);
+
+    /// Without the map, which the tracker makes at full size.
+    [[nodiscard]] const Users& users() const { return users_; }
+    /// One label a cell, kCloudCells; User::label or 0.
+    [[nodiscard]] std::span<const std::uint8_t> labels() const { return labels_; }
+
+    /// An active user not seen for this long has left; others may then become active.
+    static constexpr double kDwellSeconds = 1.0;
+
+  private:
+    struct Person {
+        std::uint32_t id = 0;
+        Eigen::Vector3f centroid = Eigen::Vector3f::Zero();
+        Eigen::Vector3f birthplace = Eigen::Vector3f::Zero();
+        hal::TimePoint lastSeen{};
+        hal::TimePoint lastMoved{};  ///< When its outline last changed.
+        bool walked = false;         ///< Left its birthplace at some time: no shop mannequin.
+        bool seen = false;           ///< In this frame.
+        User user;
+    };
+
+    void findForeground(const Cloud& cloud, bool floorKnown);
+    void assignComponents();
+    void adopt(std::size_t component, hal::TimePoint time);
+    void attachFragments();
+    void labelCells(const Cloud& cloud);
+    void measurePeople(const Cloud& cloud, hal::TimePoint time);
+    void forgetTheGone(hal::TimePoint time);
+    void chooseActive(hal::TimePoint time);
+
+    Zone zone_;
+    Background background_;
+    std::vector<std::uint8_t> mask_, componentLabels_, labels_, previousLabels_, scenery_;
+    std::vector<std::uint32_t> scratch_;
+    std::vector<Component> components_;
+    std::size_t componentCount_ = 0;
+    std::array<std::uint8_t, kMaximumComponents + 1> owner_{};  ///< Person index + 1 of each component; 0: nobody's.
+    std::array<bool, kMaximumComponents + 1> shared_{};         ///< Overlaps two people: its cells are divided.
+    std::array<Person, kMaximumUsers> people_{};
+    std::uint32_t nextId_ = 1;
+    std::uint32_t activeId_ = 0;
+    hal::TimePoint lastTime_{};
+    bool started_ = false;
+    Users users_;
+};
+
+}  // namespace cheval::fitting::tracking

@@ -1,0 +1,67 @@
+// Head, trunk and which way they face: the part of the body that a silhouette and its depth tell most surely.
+#pragma once
+
+#include <array>
+
+#include <Eigen/Core>
+
+#include "fitting/skeleton.h"
+#include "fitting/tracking/cloud.h"
+#include "fitting/tracking/silhouette.h"
+
+namespace cheval::fitting::tracking {
+
+/// Where joints lie in a standing person, in shares of the stature (hair included, as the sensor sees it). Adults of
+/// either sex differ from these by about 0.01; Drillis and Contini's segment lengths (Winter, Biomechanics and Motor
+/// Control of Human Movement, 4th ed., figure 4.1), with joint centres in place of landmarks.
+namespace proportion {
+inline constexpr float kHead = 0.070F;  ///< Crown to the centre of the head.
+inline constexpr float kNeck = 0.150F;  ///< Crown to the neck's base.
+inline constexpr float kShoulder = 0.209F;
+inline constexpr float kHip = 0.478F;
+inline constexpr float kShoulderHalfBreadth = 0.103F;
+inline constexpr float kHipHalfBreadth = 0.061F;
+inline constexpr float kUpperArm = 0.150F;
+inline constexpr float kForearm = 0.172F;  ///< Elbow to the centre of the palm.
+inline constexpr float kThigh = 0.238F;
+inline constexpr float kShank = 0.248F;
+}  // namespace proportion
+
+/// The trunk in one frame. Mirror frame, metres. `left` points to the person's left, `up` from hips to neck, `forward`
+/// out of the chest; orthonormal (right-handed: left × up = forward).
+struct TorsoPose {
+    Eigen::Vector3f head = Eigen::Vector3f::Zero();
+    Eigen::Vector3f neck = Eigen::Vector3f::Zero();
+    std::array<Eigen::Vector3f, kSideCount> shoulders{Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
+    std::array<Eigen::Vector3f, kSideCount> hips{Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
+    Eigen::Vector3f left{-1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};
+    /// The front surface: z = surface[0] + surface[1]·x + surface[2]·y.
+    Eigen::Vector3f surface = Eigen::Vector3f::Zero();
+    float crown = 0.0F;    ///< Height of the highest point of the head, as seen.
+    float stature = 1.7F;  ///< What the proportions were taken of.
+    bool found = false;
+    bool headSeen = false;
+};
+
+/// Finds head and trunk. Invalid without cloud and silhouette.
+struct TorsoFitJob {
+    const Cloud* cloud = nullptr;
+    const Silhouette* silhouette = nullptr;
+    const TorsoPose* previous = nullptr;  ///< Of the frame before, or null.
+    float stature = 0.0F;                 ///< As known so far; 0: not known, take what is seen.
+    bool floorKnown = true;
+
+    TorsoPose pose;       ///< Out.
+    float middle = 0.0F;  ///< Out: the trunk's middle line, x = middle + slope · (y − crown).
+    float slope = 0.0F;   ///< Out.
+
+    [[nodiscard]] bool isValid() const { return cloud != nullptr && cloud->isValid() && silhouette != nullptr; }
+    void run();
+
+  private:
+    bool findHead(float centre);
+    void fitTrunk();
+    void placeJoints();
+};
+
+}  // namespace cheval::fitting::tracking

@@ -1,0 +1,109 @@
+// Against recordings that are not ours: joints of the evaluation set, and people seen by a real sensor.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "fitting/tracking/tracker.h"
+#include "hal/png/png.h"
+
+namespace cheval::fitting {
+namespace {
+
+using Json = nlohmann::json;
+const std::filesystem::path kData = CHEVAL_DATA;
+
+Json readJson(const std::filesystem::path& path) {
+    std::ifstream file(path);
+    return Json::parse(file);
+}
+
+std::vector<std::filesystem::path> depthFiles(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        if (entry.path().filename().string().starts_with("depth-")) files.push_back(entry.path());
+    }
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+/// Reads pictures of a folder one after another, as a camera would deliver them.
+struct Recording {
+    explicit Recording(const std::filesystem::path& folder) : files(depthFiles(folder)) {
+        const Json sensor = readJson(folder / "sensor.json");
+        framesPerSecond = sensor["fps"];
+        intrinsics = {640, 480, sensor["fx"], sensor["fy"], sensor["cx"], sensor["cy"]};
+        if (sensor.contains("mount")) {
+            const Json& at = sensor["mount"];
+            mount = {at["height_mm"], at["tilt_deg"], at["roll_deg"], true};
+        }
+    }
+    hal::DepthFrame frame(std::size_t file, std::int64_t number) {
+        if (loaded != file) {
+            EXPECT_TRUE(hal::readPng(files[file].string(), picture).hasValue());
+        }
+        loaded = file;
+        hal::DepthFrame frame;
+        frame.sequence = static_cast<std::uint64_t>(number);
+        frame.sourceIndex = file;
+        frame.captureTime = hal::TimePoint(
+            hal::Duration(static_cast<std::int64_t>(static_cast<double>(number) * 1e9 / framesPerSecond)));
+        frame.intrinsics = intrinsics;
+        frame.depth = std::as_const(picture).view();
+        return frame;
+    }
+
+    std::vector<std::filesystem::path> files;
+    double framesPerSecond = 15;
+    hal::Intrinsics intrinsics;
+    hal::Mount mount;
+    hal::Image<std::uint16_t> picture;
+    std::size_t loaded = ~std::size_t{0};
+};
+
+class Shoppers : public testing::TestWithParam<std::string> {};
+
+TEST_P(Shoppers, JointsAreWhereTheyTrulyAre) {
+    const std::filesystem::path folder = kData / "shoppers" / GetParam();
+    Recording recording(folder);
+    ASSERT_FALSE(recording.files.empty());
+    const Json truth = readJson(folder / "truth.json");
+    Tracker tracker(TrackerOptions{.mount = recording.mount});
+    double sum = 0.0;
+    int visible = 0;
+    int near = 0;
+    std::uint32_t firstUser = 0;
+    for (std::size_t i = 0; i < recording.files.size(); ++i) {
+        const hal::DepthFrame frame = recording.frame(i, static_cast<std::int64_t>(i));
+        tracker.track(frame);
+        tracker.readHands(frame);
+        const Skeleton& skeleton = tracker.skeleton();
+        ASSERT_TRUE(skeleton.present()) << "frame " << i;
+        if (firstUser == 0) firstUser = skeleton.userId;
+        EXPECT_EQ(skeleton.userId, firstUser) << "frame " << i;
+        for (std::size_t joint = 0; joint < kJointCount; ++joint) {
+            const std::string name(kJointNames[joint]);
+            const Json& at = truth["truth"][i];
+            if (!at["visible"][name].get<bool>()) continue;
+            const Json& where = at["joints"][name];
+            const Eigen::Vector3f expected(where[0], where[1], where[2]);
+            const float error = (tracker.placement().toSensor(skeleton.joints[joint].position) - expected).norm();
+            sum += error;
+            ++visible;
+            near += error <= 100.0F ? 1 : 0;
+        }
+    }
+    EXPECT_LT(sum / visible, 65.0);
+    EXPECT_GT(static_cast<double>(near) / visible, 0.88);
+    RecordProperty("mean_mm", std::to_string(sum / visible));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Shoppers, testing::Values("seq01", "seq02", "seq03", "seq04", "seq05"),
+                         [](const auto& suite) { return suite.param; });
+
+}  // namespace
+}  // namespace cheval::fitting
