@@ -1,0 +1,23 @@
+// The simulated shopper's surface: lofted torso, limbs, head, hands and clothes over the rig of rig.h.
+#pragma once
+
+#include <cstddef>
+
+#include "hal/sim/loft.h"
+#include "hal/sim/rig.h"
+#include "hal/sim/shopper.h"
+
+namespace cheval::hal::sim {
+
+/// No shopper's mesh is larger; what is reserved once.
+inline constexpr std::size_t kMaximumFigureVertices = 12'000;
+inline constexpr std::size_t kMaximumFigureTriangles = 24'000;
+
+/// Makes `mesh` the shopper in rest pose. Takes no memory when the mesh has kMaximumFigure… reserved.
+void buildFigure(const Shopper& shopper, const Rig& rig, Mesh& mesh);
+
+/// The head with face and hair (figure_head.cpp), and one hand (figure_hand.cpp), as parts of buildFigure.
+void addHead(const Shopper& shopper, const Rig& rig, Mesh& mesh);
+void addHand(const Shopper& shopper, const Rig& rig, fitting::Side side, Mesh& mesh);
+
+}  // namespace cheval::hal::sim

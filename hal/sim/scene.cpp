@@ -1,0 +1,216 @@
+#include "hal/sim/scene.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "hal/sim/figure.h"
+#include "hal/sim/hash.h"
+#include "hal/sim/motion.h"
+
+namespace cheval::hal::sim {
+
+namespace {
+
+using Eigen::Vector3f;
+using fitting::Side;
+
+/// Pixels around a person that their shadow and edges change: the disparity of someone 1 m from the sensor, less the
+/// wall's, and the reach of the edge test.
+constexpr int kSensorReach = 40;
+
+}  // namespace
+
+Moment momentAt(const WorldOptions& options, double worldSeconds) {
+    const double cycle = options.visitSeconds + options.pauseSeconds;
+    const double visits = std::floor(std::max(0.0, worldSeconds) / cycle);
+    const double within = std::max(0.0, worldSeconds) - visits * cycle;
+    return {.visit = static_cast<std::uint32_t>(visits),
+            .scriptTime = within * kScriptSeconds / options.visitSeconds,
+            .visiting = within < options.visitSeconds};
+}
+
+Scene::Scene(const WorldOptions& options, const View& view, const Room& room)
+    : options_(options),
+      view_(view),
+      room_(room),
+      canvas_(view.intrinsics().width, view.intrinsics().height),
+      sensor_(view.intrinsics(), room, scramble(options.seed, 0x5e75U)),
+      depth_(room.depth),
+      material_(room.material) {
+    mesh_.reserve(kMaximumFigureVertices, kMaximumFigureTriangles);
+    positions_.reserve(kMaximumFigureVertices);
+    normals_.reserve(kMaximumFigureVertices);
+    vertices_.reserve(kMaximumFigureVertices);
+}
+
+void Scene::pose(const Moment& moment) {
+    if (!hasShopper_ || visit_ != moment.visit) {
+        shopper_ = makeShopper(options_.seed, moment.visit);
+        rig_ = makeRig(shopper_);
+        buildFigure(shopper_, rig_, mesh_);
+        positions_.resize(mesh_.positions.size());
+        normals_.resize(mesh_.positions.size());
+        vertices_.resize(mesh_.positions.size());
+        hasShopper_ = true;
+        visit_ = moment.visit;
+    }
+    pose_ = solvePose(rig_, postureAt(shopper_, rig_, moment.scriptTime));
+    for (std::size_t i = 0; i < positions_.size(); ++i) {
+        const Hold& hold = mesh_.holds[i];
+        const Vector3f& p = mesh_.positions[i];
+        const Vector3f& n = mesh_.normals[i];
+        if (hold.share <= 0.0F || hold.first == hold.second) {
+            positions_[i] = pose_.apply(rig_, hold.first, p);
+            normals_[i] = pose_.rotation[hold.first] * n;
+        } else {
+            const float share = hold.share;
+            positions_[i] =
+                (1.0F - share) * pose_.apply(rig_, hold.first, p) + share * pose_.apply(rig_, hold.second, p);
+            normals_[i] =
+                ((1.0F - share) * (pose_.rotation[hold.first] * n) + share * (pose_.rotation[hold.second] * n))
+                    .normalized();
+        }
+    }
+}
+
+/// What feet and body take from the floor's light: a tight dark spot under each sole, a wide soft one under the body.
+void Scene::castShadows(ImageView<Rgb8> colour) const {
+    struct Spot {
+        float x, z, tight, strength;
+    };
+    std::array<Spot, 6> spots{};
+    std::size_t count = 0;
+    for (const Side side : {Side::left, Side::right}) {
+        const std::size_t foot = bone(side, SideBone::foot);
+        const Vector3f ankle = pose_.position[foot];
+        const float size = 0.055F * shopper_.stature;
+        for (const float ahead : {-0.010F, 0.065F}) {
+            const Vector3f point =
+                pose_.apply(rig_, foot, rig_.rest[foot] + shopper_.stature * Vector3f(0.0F, -0.045F, ahead));
+            const float height = std::max(0.0F, point.y() - 0.01F);
+            spots[count++] = {point.x(), point.z(), 1.0F / (size * size * (1.0F + 30.0F * height)),
+                              0.46F / (1.0F + 12.0F * height)};
+        }
+        // Light comes from the glass: the body's shade falls away from it.
+        spots[count++] = {0.5F * (ankle.x() + pose_.position[0].x()), ankle.z() + 0.16F, 1.0F / 0.075F, 0.20F};
+    }
+    // The rectangle of pixels that sees the floor near the feet.
+    const Intrinsics& lens = view_.intrinsics();
+    float minX = 1e9F, minY = 1e9F, maxX = -1e9F, maxY = -1e9F;
+    for (const Spot& spot : spots) {
+        for (const float dx : {-0.6F, 0.6F}) {
+            for (const float dz : {-0.6F, 0.6F}) {
+                const Vector3f seen = view_.toSensor(Vector3f(spot.x + dx, 0.0F, spot.z + dz));
+                if (seen.z() < 0.3F) continue;
+                const auto at = view_.project(seen);
+                minX = std::min(minX, at.x());
+                maxX = std::max(maxX, at.x());
+                minY = std::min(minY, at.y());
+                maxY = std::max(maxY, at.y());
+            }
+        }
+    }
+    const auto within = [](float value, int limit) {
+        return static_cast<int>(std::clamp(value, 0.0F, static_cast<float>(limit)));
+    };
+    for (int y = within(minY, lens.height); y < within(maxY, lens.height); ++y) {
+        for (int x = within(minX, lens.width); x < within(maxX, lens.width); ++x) {
+            const Vector3f ray = view_.ray(static_cast<float>(x), static_cast<float>(y));
+            if (!(ray.y() < 0.0F)) continue;
+            const float distance = -view_.place().y() / ray.y();
+            // Only where the room shows its floor.
+            if (std::abs(1000.0F * distance - room_.depth.view().at(x, y)) > 30.0F) continue;
+            const Vector3f p = view_.place() + distance * ray;
+            float light = 1.0F;
+            for (const Spot& spot : spots) {
+                const float dx = p.x() - spot.x;
+                const float dz = p.z() - spot.z;
+                const float fall = 1.0F + (dx * dx + dz * dz) * spot.tight;
+                light *= 1.0F - spot.strength / (fall * fall);
+            }
+            Rgb8& pixel = colour.at(x, y);
+            const auto dim = [light](std::uint8_t value) {
+                return static_cast<std::uint8_t>(static_cast<float>(value) * light + 0.5F);
+            };
+            pixel = {dim(pixel.r), dim(pixel.g), dim(pixel.b)};
+        }
+    }
+}
+
+void Scene::resolve(const PixelBox& box, ImageView<Rgb8> colour) {
+    for (int y = box.top; y < box.bottom; ++y) {
+        float* depthRow = depth_.view().row(y);
+        Material* materialRow = material_.view().row(y);
+        for (int x = box.left; x < box.right; ++x) {
+            const Canvas::Pixel pixel = canvas_.pixel(x, y);
+            if (pixel.samples == 0) continue;
+            // 1/m against mm.
+            const float roomNearness = depthRow[x] > 0.0F ? 1000.0F / depthRow[x] : 0.0F;
+            if (pixel.nearness < roomNearness) continue;
+            // A pixel belongs to what covers half of it.
+            if (2 * pixel.samples >= kSamplesAcross * kSamplesAcross) {
+                depthRow[x] = 1000.0F / pixel.nearness;
+                materialRow[x] = static_cast<Material>(pixel.nearest >> 24U);
+            }
+            if (colour.empty()) continue;
+            Rgb8& shown = colour.at(x, y);
+            std::array<std::uint32_t, 3> sum = {2, 2, 2};
+            for (int sub = 0; sub < kSamplesAcross * kSamplesAcross; ++sub) {
+                const int sx = kSamplesAcross * x + sub % kSamplesAcross;
+                const int sy = kSamplesAcross * y + sub / kSamplesAcross;
+                if (canvas_.nearnessRow(sy)[sx] > 0.0F) {
+                    const Paint sample = canvas_.paintRow(sy)[sx];
+                    for (std::size_t c = 0; c < 3; ++c)
+                        sum[c] += sample >> (8U * c) & 0xffU;
+                } else {
+                    sum[0] += shown.r;
+                    sum[1] += shown.g;
+                    sum[2] += shown.b;
+                }
+            }
+            shown = {static_cast<std::uint8_t>(sum[0] / 4), static_cast<std::uint8_t>(sum[1] / 4),
+                     static_cast<std::uint8_t>(sum[2] / 4)};
+        }
+    }
+}
+
+void Scene::render(std::uint64_t frame, double worldSeconds, ImageView<std::uint16_t> depth, ImageView<Rgb8> colour) {
+    const Intrinsics& lens = view_.intrinsics();
+    if (!colour.empty()) {
+        for (int y = 0; y < lens.height; ++y)
+            std::copy_n(room_.colour.view().row(y), lens.width, colour.row(y));
+    }
+    // Wipe away who was here in the frame before.
+    for (int y = drawn_.top; y < drawn_.bottom; ++y) {
+        const int count = std::max(0, drawn_.right - drawn_.left);
+        std::copy_n(room_.depth.view().row(y) + drawn_.left, count, depth_.view().row(y) + drawn_.left);
+        std::copy_n(room_.material.view().row(y) + drawn_.left, count, material_.view().row(y) + drawn_.left);
+    }
+    canvas_.clear(drawn_);
+    drawn_ = {};
+    const Moment moment = momentAt(options_, worldSeconds);
+    if (moment.visiting) {
+        pose(moment);
+        drawn_ = light(view_, mesh_, positions_, normals_, vertices_);
+        if (!drawn_.empty()) {
+            canvas_.draw(vertices_, mesh_);
+            if (!colour.empty()) castShadows(colour);
+            resolve(drawn_, colour);
+        }
+    }
+    if (options_.sensorNoise) {
+        sensor_.sense(depth_, material_, drawn_.grown(kSensorReach, lens.width, lens.height), frame, depth);
+        return;
+    }
+    for (int y = 0; y < lens.height; ++y) {
+        const float* exact = depth_.view().row(y);
+        std::uint16_t* row = depth.row(y);
+        for (int x = 0; x < lens.width; ++x) {
+            const bool inRange = exact[x] >= kNearestMm && exact[x] <= kFarthestMm;
+            row[x] = inRange ? static_cast<std::uint16_t>(exact[x] + 0.5F) : std::uint16_t{0};
+        }
+    }
+}
+
+}  // namespace cheval::hal::sim
