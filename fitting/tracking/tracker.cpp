@@ -6,6 +6,8 @@
 
 #include "fitting/tracking/body_tracker.h"
 #include "fitting/tracking/cloud.h"
+#include "fitting/tracking/gestures.h"
+#include "fitting/tracking/hand_reader.h"
 #include "fitting/tracking/people.h"
 #include "fitting/tracking/placement.h"
 
@@ -25,6 +27,8 @@ struct Tracker::State {
         placement.reset();
         people.reset();
         body.reset();
+        handReader.reset();
+        gestures.reset();
         clear();
     }
     /// Results of a frame in which nobody is seen.
@@ -41,6 +45,8 @@ struct Tracker::State {
     PlacementFilter placement;
     People people;
     BodyTracker body;
+    HandReader handReader;
+    GestureReader gestures;
     Cloud cloud;
     std::vector<std::uint8_t> map;
     Users users;
@@ -95,8 +101,12 @@ void Tracker::track(const hal::DepthFrame& frame) {
                       state.skeleton);
 }
 
-void Tracker::readHands(const hal::DepthFrame& /*frame*/) {
-    state_->hands = Hands{};
+void Tracker::readHands(const hal::DepthFrame& frame) {
+    State& state = *state_;
+    state.hands = Hands{};
+    state.handReader.update(frame, state.users, state.skeleton, state.placement.placement(), state.body.stature(),
+                            state.hands);
+    state.gestures.update(frame, state.skeleton, state.body.stature(), state.hands);
 }
 
 void Tracker::reset() {

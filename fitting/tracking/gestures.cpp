@@ -1,0 +1,139 @@
+#include "fitting/tracking/gestures.h"
+
+#include <cmath>
+
+namespace cheval::fitting::tracking {
+namespace {
+
+/// Share of a new reading in the filtered velocity, at 30 frames a second and at half that.
+constexpr float kVelocitySpan = 0.05F;
+
+void append(Hands& hands, const GestureEvent& event) {
+    if (hands.gestureCount < kMaximumGestures) hands.gestures[hands.gestureCount++] = event;
+}
+
+float between(hal::TimePoint from, hal::TimePoint to) {
+    return static_cast<float>(hal::seconds(to - from));
+}
+
+}  // namespace
+
+void GestureReader::reset() {
+    watches_ = {};
+    userId_ = 0;
+}
+
+void GestureReader::update(const hal::DepthFrame& frame, const Skeleton& skeleton, float stature, Hands& hands) {
+    if (skeleton.userId != userId_) reset();
+    if (!skeleton.present() || stature <= 0.0F) return;
+    const Moment now{frame.captureTime, frame.sourceIndex};
+    const float elapsed = userId_ == 0 ? 0.0F : between(lastTime_, now.time);
+    userId_ = skeleton.userId;
+    lastTime_ = now.time;
+    const Eigen::Vector3f neck = skeleton[Joint::neck].position;
+    // Sideways as the shopper sees it is sideways before the glass: the trunk may turn while the hand swipes.
+    for (const Side side : {Side::left, Side::right}) {
+        HandWatch& watch = watches_[index(side)];
+        const Hand& hand = hands[side];
+        const Eigen::Vector3f about = (hand.position - neck) / stature;
+        const Eigen::Vector2f at(-about.x(), about.y());
+        if (watch.seen && elapsed > 0.0F && elapsed < 0.5F) {
+            const float weight = 1.0F - std::exp(-elapsed / kVelocitySpan);
+            watch.velocity += weight * ((at - watch.last) / elapsed - watch.velocity);
+        } else {
+            watch.velocity.setZero();
+        }
+        watch.last = at;
+        watch.seen = true;
+        watchSwipe(watch, now, at, hand.raised, side, hands);
+        watchGrab(watch, now, hand, side, hands);
+        const Joint shoulder = side == Side::left ? Joint::leftShoulder : Joint::rightShoulder;
+        watchRaise(watch, now, hand.position.y() > skeleton[shoulder].position.y(), side, hands);
+    }
+}
+
+void GestureReader::watchSwipe(HandWatch& watch, const Moment& now, const Eigen::Vector2f& at, bool raised, Side side,
+                               Hands& hands) const {
+    const float speed = watch.velocity.x();
+    if (!watch.stroke) {
+        if (raised && std::abs(speed) >= options_.swipeStartSpeed) {
+            watch.stroke = true;
+            watch.direction = speed > 0.0F ? 1.0F : -1.0F;
+            watch.peak = 0.0F;
+            watch.from = at;
+            watch.strokeStart = now;
+        }
+        return;
+    }
+    watch.peak = std::max(watch.peak, speed * watch.direction);
+    const float lasted = between(watch.strokeStart.time, now.time);
+    if (speed * watch.direction > options_.swipeEndSpeed && raised && lasted < options_.swipeLongest) return;
+    watch.stroke = false;
+    const Eigen::Vector2f way = at - watch.from;
+    if (!raised || lasted >= options_.swipeLongest || watch.peak < options_.swipePeakSpeed) return;
+    if (way.x() * watch.direction < options_.swipeDistance) return;
+    if (std::abs(way.y()) > options_.swipeUpright * std::abs(way.x())) return;
+    append(hands, {.kind = GestureKind::swipe,
+                   .hand = side,
+                   .direction = watch.direction > 0.0F ? SwipeDirection::left : SwipeDirection::right,
+                   .start = watch.strokeStart.time,
+                   .end = now.time,
+                   .startFrame = watch.strokeStart.frame,
+                   .endFrame = now.frame});
+}
+
+void GestureReader::watchGrab(HandWatch& watch, const Moment& now, const Hand& hand, Side side, Hands& hands) const {
+    if (!hand.raised || hand.state == HandState::unknown) {
+        watch.grab = Grab::idle;
+        return;
+    }
+    const float lasted = between(watch.grabStart.time, now.time);
+    switch (watch.grab) {
+        case Grab::idle:
+            if (hand.state == HandState::open) {
+                watch.grab = Grab::open;
+                watch.grabStart = now;
+            }
+            break;
+        case Grab::open:
+            if (hand.state == HandState::closed) {
+                watch.grab = lasted >= options_.grabOpenBefore ? Grab::closed : Grab::idle;
+                watch.grabStart = now;
+            }
+            break;
+        case Grab::closed:
+            if (hand.state != HandState::open) break;
+            if (lasted >= options_.grabClosedLeast && lasted <= options_.grabClosedMost) {
+                append(hands, {.kind = GestureKind::grab,
+                               .hand = side,
+                               .start = watch.grabStart.time,
+                               .end = now.time,
+                               .startFrame = watch.grabStart.frame,
+                               .endFrame = now.frame});
+            }
+            watch.grab = Grab::open;
+            watch.grabStart = now;
+            break;
+    }
+}
+
+void GestureReader::watchRaise(HandWatch& watch, const Moment& now, bool up, Side side, Hands& hands) const {
+    if (up != watch.up) {
+        watch.up = up;
+        (up ? watch.upSince : watch.downSince) = now;
+    }
+    if (!up) {
+        if (between(watch.downSince.time, now.time) >= options_.raiseRest) watch.counted = false;
+        return;
+    }
+    if (watch.counted || between(watch.upSince.time, now.time) < options_.raiseHold) return;
+    watch.counted = true;
+    append(hands, {.kind = GestureKind::raise,
+                   .hand = side,
+                   .start = watch.upSince.time,
+                   .end = now.time,
+                   .startFrame = watch.upSince.frame,
+                   .endFrame = now.frame});
+}
+
+}  // namespace cheval::fitting::tracking

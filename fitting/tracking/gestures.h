@@ -1,0 +1,76 @@
+// Swipe, grab and raise from how hands move (D2) and open and close (D3).
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "fitting/hands.h"
+#include "fitting/skeleton.h"
+#include "hal/clock.h"
+#include "hal/frame.h"
+
+namespace cheval::fitting::tracking {
+
+/// Thresholds. Lengths and speeds are in shares of the stature, so that a child and an adult, near or far, swipe alike.
+struct GestureOptions {
+    float swipeStartSpeed = 0.45F;  ///< Statures a second sideways that begin a stroke,
+    float swipeEndSpeed = 0.25F;    ///< … and end it,
+    float swipePeakSpeed = 0.65F;   ///< … and must be reached in between.
+    float swipeDistance = 0.16F;    ///< Statures sideways at least.
+    float swipeUpright = 0.75F;     ///< Most up or down, as a share of sideways.
+    float swipeLongest = 0.9F;      ///< Seconds.
+    float grabOpenBefore = 0.12F;   ///< Seconds a raised hand is open first,
+    float grabClosedLeast = 0.10F;  ///< … then closed at least,
+    float grabClosedMost = 3.0F;    ///< … and at most, before it opens again.
+    float raiseHold = 0.20F;        ///< Seconds above the shoulder.
+    float raiseRest = 0.30F;        ///< Seconds below it before another raise counts.
+};
+
+/// Watches both hands. One gesture, one event, reported in the frame that completes it. Thread-bound.
+class GestureReader {
+  public:
+    GestureReader() = default;
+    explicit GestureReader(const GestureOptions& options) : options_(options) {}
+    void reset();
+
+    /// Appends this frame's gestures to `hands`, whose hands have been read. `stature` in metres. What does not fit
+    /// into kMaximumGestures is dropped.
+    void update(const hal::DepthFrame& frame, const Skeleton& skeleton, float stature, Hands& hands);
+
+  private:
+    struct Moment {
+        hal::TimePoint time{};
+        std::uint64_t frame = 0;
+    };
+    enum class Grab : std::uint8_t { idle, open, closed };
+    struct HandWatch {
+        // Swipe.
+        bool stroke = false;
+        float direction = 0.0F;  ///< +1: to the shopper's left.
+        float peak = 0.0F;
+        Eigen::Vector2f from = Eigen::Vector2f::Zero();  ///< Left and up of the neck, statures.
+        Moment strokeStart;
+        // Grab.
+        Grab grab = Grab::idle;
+        Moment grabStart;
+        // Raise.
+        bool up = false, counted = false;
+        Moment upSince, downSince;
+        // Speed of the hand about the body.
+        bool seen = false;
+        Eigen::Vector2f last = Eigen::Vector2f::Zero();
+        Eigen::Vector2f velocity = Eigen::Vector2f::Zero();
+    };
+
+    void watchSwipe(HandWatch& watch, const Moment& now, const Eigen::Vector2f& at, bool raised, Side side,
+                    Hands& hands) const;
+    void watchGrab(HandWatch& watch, const Moment& now, const Hand& hand, Side side, Hands& hands) const;
+    void watchRaise(HandWatch& watch, const Moment& now, bool up, Side side, Hands& hands) const;
+
+    GestureOptions options_;
+    std::array<HandWatch, kSideCount> watches_{};
+    std::uint32_t userId_ = 0;
+    hal::TimePoint lastTime_{};
+};
+
+}  // namespace cheval::fitting::tracking

@@ -1,0 +1,119 @@
+#include "fitting/tracking/hand_reader.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cheval::fitting::tracking {
+namespace {
+
+/// Hysteresis on the filtered openness.
+constexpr float kOpens = 0.12F;
+constexpr float kCloses = -0.12F;
+/// Seconds over which readings are averaged.
+constexpr float kStateSpan = 0.10F;
+/// A picture this much coarser than the grid shows no fingers any more.
+constexpr float kCoarsest = 0.30F;
+/// A hand before the shoulder by this share of the stature is held out, as one does to point.
+constexpr float kHeldOut = 0.147F;
+
+float bounded(float value) {
+    return std::clamp(value, -1.5F, 1.5F);
+}
+
+}  // namespace
+
+float openness(const HandShape& shape, float cellMetres, float headToNeck) {
+    const float reach = shape.fingerReach * cellMetres / headToNeck;
+    const float ratio = shape.fingerReach / std::max(shape.palmRadius, 0.1F);
+    const float depth = shape.hullDepth / std::max(shape.palmRadius, 0.1F);
+    return (bounded((reach - 0.61F) / 0.10F) + bounded((ratio - 2.15F) / 0.40F) +
+            0.7F * bounded((depth - 0.52F) / 0.25F)) /
+           2.7F;
+}
+
+void HandStateFilter::read(float value, float elapsed) {
+    missing_ = 0.0F;
+    const float weight = started_ ? 1.0F - std::exp(-elapsed / kStateSpan) : 1.0F;
+    started_ = true;
+    level_ += weight * (value - level_);
+    if (level_ > kOpens) {
+        state_ = HandState::open;
+    } else if (level_ < kCloses) {
+        state_ = HandState::closed;
+    }
+    const bool agrees = (state_ == HandState::open) == (level_ > 0.0F);
+    confidence_ = state_ == HandState::unknown || !agrees ? 0.2F : std::clamp(0.3F + std::abs(level_), 0.0F, 1.0F);
+}
+
+void HandStateFilter::miss(float elapsed) {
+    missing_ += elapsed;
+    confidence_ *= 0.5F;
+    if (missing_ >= kPatience) reset();
+}
+
+void HandReader::reset() {
+    for (const Side side : {Side::left, Side::right}) {
+        states_[index(side)].reset();
+        motion_[index(side)].reset();
+    }
+    userId_ = 0;
+}
+
+void HandReader::update(const hal::DepthFrame& frame, const Users& users, const Skeleton& skeleton,
+                        const SensorPlacement& placement, float stature, Hands& hands) {
+    if (skeleton.userId != userId_) reset();
+    if (!skeleton.present() || frame.depth.empty()) return;
+    const float elapsed =
+        userId_ == 0 ? 0.0F : std::clamp(static_cast<float>(hal::seconds(frame.captureTime - lastTime_)), 0.0F, 1.0F);
+    userId_ = skeleton.userId;
+    lastTime_ = frame.captureTime;
+    const Eigen::Vector3f forward = skeleton[Joint::torso].orientation * Eigen::Vector3f::UnitZ();
+    for (const Side side : {Side::left, Side::right}) {
+        Hand& hand = hands[side];
+        const bool left = side == Side::left;
+        readHand(frame, users, skeleton, placement, side, elapsed, hand);
+        const Eigen::Vector3f& elbow = skeleton[left ? Joint::leftElbow : Joint::rightElbow].position;
+        const Eigen::Vector3f& shoulder = skeleton[left ? Joint::leftShoulder : Joint::rightShoulder].position;
+        hand.raised = hand.position.y() > elbow.y() + 0.01F * stature ||
+                      (hand.position - shoulder).dot(forward) > kHeldOut * stature;
+    }
+}
+
+void HandReader::readHand(const hal::DepthFrame& frame, const Users& users, const Skeleton& skeleton,
+                          const SensorPlacement& placement, Side side, float elapsed, Hand& hand) {
+    const bool left = side == Side::left;
+    const JointState& joint = skeleton[left ? Joint::leftHand : Joint::rightHand];
+    const JointState& elbow = skeleton[left ? Joint::leftElbow : Joint::rightElbow];
+    PointFilter& motion = motion_[index(side)];
+    hand.position = joint.position;
+    motion.filter(joint.position, elapsed);
+    hand.velocity = motion.velocity();
+
+    HandStateFilter& filter = states_[index(side)];
+    const User* user = users.active();
+    const float headToNeck = (skeleton[Joint::head].position - skeleton[Joint::neck].position).norm();
+    HandRegionJob region{.depth = frame.depth,
+                         .userMap = users.map,
+                         .label = user == nullptr ? std::uint8_t{0} : user->label,
+                         .intrinsics = frame.intrinsics,
+                         .palm = placement.toSensor(joint.position),
+                         .elbow = placement.toSensor(elbow.position),
+                         .headToNeck = headToNeck,
+                         .mask = &mask_,
+                         .scratch = &scratch_};
+    HandShapeJob outline{.mask = &mask_, .context = &context_};
+    if (user != nullptr && joint.confidence >= 0.5F && region.isValid()) {
+        region.run();
+        outline.forearm = region.forearm;
+        if (region.surface > 0.0F && region.pixelsPerCell >= kCoarsest && outline.isValid()) outline.run();
+    }
+    if (outline.shape.valid) {
+        filter.read(openness(outline.shape, region.cellMetres, headToNeck), elapsed);
+    } else {
+        filter.miss(elapsed);
+    }
+    hand.state = filter.state();
+    hand.confidence = filter.confidence();
+}
+
+}  // namespace cheval::fitting::tracking

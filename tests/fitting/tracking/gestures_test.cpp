@@ -1,0 +1,139 @@
+// The state machines of gestures, by scripts of hands.
+#include "fitting/tracking/gestures.h"
+
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace cheval::fitting::tracking {
+namespace {
+
+constexpr float kFrameSeconds = 1.0F / 30.0F;
+
+/// A shopper of some stature at some place, whose right hand follows a script.
+struct Script {
+    float stature = 1.7F;
+    Eigen::Vector3f place{0.0F, 0.0F, 2.2F};
+    float seconds = 2.0F;
+    /// Right hand about the neck, in statures: right of the shopper, up, towards the glass.
+    std::function<Eigen::Vector3f(float)> at;
+    std::function<HandState(float)> state = [](float) { return HandState::open; };
+    std::function<bool(float)> raised = [](float) { return true; };
+};
+
+std::vector<GestureEvent> play(const Script& script) {
+    GestureReader reader;
+    std::vector<GestureEvent> events;
+    for (int i = 0; static_cast<float>(i) * kFrameSeconds < script.seconds; ++i) {
+        const float time = static_cast<float>(i) * kFrameSeconds;
+        hal::DepthFrame frame;
+        frame.sourceIndex = static_cast<std::uint64_t>(i);
+        frame.captureTime = hal::TimePoint(hal::Duration(static_cast<std::int64_t>(1e9) * i / 30));
+        Skeleton skeleton;
+        skeleton.userId = 1;
+        skeleton[Joint::neck].position = script.place + Eigen::Vector3f(0.0F, 0.85F * script.stature, 0.0F);
+        skeleton[Joint::rightShoulder].position = script.place + Eigen::Vector3f(0.1F, 0.79F, 0.0F) * script.stature;
+        skeleton[Joint::leftShoulder].position = script.place + Eigen::Vector3f(-0.1F, 0.79F, 0.0F) * script.stature;
+        Hands hands;
+        Hand& hand = hands[Side::right];
+        const Eigen::Vector3f at = script.at(time);
+        hand.position = skeleton[Joint::neck].position + script.stature * Eigen::Vector3f(at.x(), at.y(), -at.z());
+        hand.state = script.state(time);
+        hand.raised = script.raised(time);
+        hands[Side::left].position = script.place + Eigen::Vector3f(-0.2F, 0.5F, 0.0F) * script.stature;
+        reader.update(frame, skeleton, script.stature, hands);
+        events.insert(events.end(), hands.gestures.begin(),
+                      hands.gestures.begin() + static_cast<std::ptrdiff_t>(hands.gestureCount));
+    }
+    return events;
+}
+
+/// From `a` to `b` between two times, smoothly; still before and after.
+std::function<Eigen::Vector3f(float)> move(const Eigen::Vector3f& a, const Eigen::Vector3f& b, float from, float to) {
+    return [=](float time) -> Eigen::Vector3f {
+        const float t = std::clamp((time - from) / (to - from), 0.0F, 1.0F);
+        return a + (b - a) * (t * t * (3.0F - 2.0F * t));
+    };
+}
+
+const Eigen::Vector3f kRightSide(0.25F, -0.12F, 0.2F);
+const Eigen::Vector3f kLeftSide(-0.10F, -0.12F, 0.2F);
+
+TEST(Swipe, IsReportedOnceWithItsDirectionWhateverTheSizeAndPlace) {
+    for (const float stature : {1.0F, 1.5F, 1.95F}) {
+        for (const float away : {1.0F, 2.5F, 4.0F}) {
+            const auto left =
+                play({.stature = stature, .place = {0.4F, 0.0F, away}, .at = move(kRightSide, kLeftSide, 0.5F, 0.95F)});
+            ASSERT_EQ(left.size(), 1U);
+            EXPECT_EQ(left[0].kind, GestureKind::swipe);
+            EXPECT_EQ(left[0].hand, Side::right);
+            EXPECT_EQ(left[0].direction, SwipeDirection::left);
+            EXPECT_LT(left[0].startFrame, left[0].endFrame);
+            const auto right =
+                play({.stature = stature, .place = {0.4F, 0.0F, away}, .at = move(kLeftSide, kRightSide, 0.5F, 0.95F)});
+            ASSERT_EQ(right.size(), 1U);
+            EXPECT_EQ(right[0].direction, SwipeDirection::right);
+        }
+    }
+}
+
+TEST(Swipe, IsNotMadeOfSlowMovesShortMovesOrMovesUpAndDown) {
+    EXPECT_TRUE(play({.at = move(kRightSide, kLeftSide, 0.2F, 1.8F)}).empty());
+    EXPECT_TRUE(play({.at = move(kRightSide, 0.75F * kRightSide + 0.25F * kLeftSide, 0.5F, 0.6F)}).empty());
+    EXPECT_TRUE(play({.at = move(kRightSide, kLeftSide - Eigen::Vector3f(0.0F, 0.5F, 0.0F), 0.5F, 0.95F)}).empty());
+}
+
+TEST(Swipe, IsNotMadeByAHandThatHangs) {
+    EXPECT_TRUE(play({.at = move(kRightSide, kLeftSide, 0.5F, 0.95F), .raised = [](float) { return false; }}).empty());
+}
+
+TEST(Swipe, IsNotMadeByWalking) {
+    // The hand keeps its place about the body.
+    EXPECT_TRUE(play({.at = [](float) { return kRightSide; }}).empty());
+}
+
+HandState closedBetween(float time, float from, float to) {
+    return time >= from && time < to ? HandState::closed : HandState::open;
+}
+
+TEST(Grab, IsClosedThenOpenOfARaisedHand) {
+    const auto events = play(
+        {.at = [](float) { return kRightSide; }, .state = [](float time) { return closedBetween(time, 0.5F, 1.0F); }});
+    ASSERT_EQ(events.size(), 1U);
+    EXPECT_EQ(events[0].kind, GestureKind::grab);
+    EXPECT_NEAR(static_cast<double>(events[0].startFrame), 15.0, 1.0);
+    EXPECT_NEAR(static_cast<double>(events[0].endFrame), 30.0, 1.0);
+}
+
+TEST(Grab, IsNotAFlickerAFistThatStaysOrALowHand) {
+    const auto still = [](float) { return kRightSide; };
+    EXPECT_TRUE(play({.at = still, .state = [](float t) { return closedBetween(t, 0.5F, 0.55F); }}).empty());
+    EXPECT_TRUE(play({.at = still, .state = [](float t) { return closedBetween(t, 0.5F, 9.0F); }}).empty());
+    EXPECT_TRUE(
+        play({.seconds = 6.0F, .at = still, .state = [](float t) { return closedBetween(t, 0.5F, 5.0F); }}).empty());
+    EXPECT_TRUE(play({.at = still,
+                      .state = [](float t) { return closedBetween(t, 0.5F, 1.0F); },
+                      .raised = [](float) { return false; }})
+                    .empty());
+    // Lowered while closed.
+    EXPECT_TRUE(play({.at = still,
+                      .state = [](float t) { return closedBetween(t, 0.5F, 1.0F); },
+                      .raised = [](float t) { return t < 0.8F; }})
+                    .empty());
+}
+
+TEST(Raise, CountsOnceUntilTheHandWasDown) {
+    const Eigen::Vector3f low(0.2F, -0.3F, 0.1F);
+    const Eigen::Vector3f high(0.2F, 0.1F, 0.1F);
+    const auto once = play({.at = move(low, high, 0.3F, 0.8F), .raised = [](float) { return true; }});
+    ASSERT_EQ(once.size(), 1U);
+    EXPECT_EQ(once[0].kind, GestureKind::raise);
+    const auto twice = play(
+        {.seconds = 4.0F, .at = [&](float time) { return time < 0.5F || (time > 1.5F && time < 2.5F) ? low : high; }});
+    EXPECT_EQ(twice.size(), 2U);
+}
+
+}  // namespace
+}  // namespace cheval::fitting::tracking
