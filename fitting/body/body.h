@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -47,6 +49,8 @@ struct ShapedBody {
 
 /// Loads and validates a body asset (format: fitting/garment/FORMAT.md). Refusals carry cause, mend, why and the file.
 Expected<Body> loadBody(const std::string& path);
+/// As loadBody, from memory; `file` is named in errors.
+Expected<Body> parseBody(std::span<const std::byte> bytes, const std::string& file);
 
 /// Makes `shaped` the mannequin of that shape (D12: x breadth, y height, z their mean).
 void shapeBody(const Body& body, const BodyShape& shape, ShapedBody& shaped);

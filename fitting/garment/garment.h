@@ -1,7 +1,9 @@
 // A garment as loaded: validated, and its cages in template order (A9).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,5 +47,13 @@ struct GarmentLimits {
 /// truncated file, a buffer that claims more than the file holds.
 Expected<Garment> loadGarment(const std::string& path, const CageTemplate& cageTemplate,
                               const GarmentLimits& limits = {});
+/// As above; a garment without weights takes them from the body's mesh (C1).
+Expected<Garment> loadGarment(const std::string& path, const Body& body, const GarmentLimits& limits = {});
+
+/// As loadGarment, from memory; `file` is named in errors and gives the id.
+Expected<Garment> parseGarment(std::span<const std::byte> bytes, const std::string& file,
+                               const CageTemplate& cageTemplate, const GarmentLimits& limits = {});
+Expected<Garment> parseGarment(std::span<const std::byte> bytes, const std::string& file, const Body& body,
+                               const GarmentLimits& limits = {});
 
 }  // namespace cheval::fitting

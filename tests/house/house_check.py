@@ -58,6 +58,10 @@ def rooms_allowed(path):
     if path.startswith("fitting/bake/"):
         # hal/png is a file format and no device: what is made offline is written with it.
         return lambda header: header.startswith(("fitting/", "render/", "hal/png/")) or header in HAL_PLAIN
+    if path.startswith("fitting/garment/"):
+        # A garment's texture is a PNG within its file.
+        return lambda header: header in HAL_PLAIN | {"hal/png/png.h"} or (
+            header.startswith("fitting/") and not header.startswith("fitting/bake/"))
     if path.startswith("fitting/"):
         return lambda header: header in HAL_PLAIN or (
             header.startswith("fitting/") and not header.startswith("fitting/bake/"))
