@@ -18,6 +18,8 @@ constexpr float kFootHeight = 0.09F;
 constexpr float kSeen = 0.9F;
 constexpr float kHidden = 0.3F;
 constexpr float kOutside = 0.2F;
+/// A joint within so many cells of the picture's edge is cut by it.
+constexpr int kEdge = 4;
 
 }  // namespace
 
@@ -37,6 +39,7 @@ void BodyTracker::reset() {
     userId_ = 0;
     stature_ = 0.0F;
     statureFrames_ = 0;
+    halfDepth_ = kUsualHalfDepth;
 }
 
 void BodyTracker::update(const Cloud& cloud, std::span<const std::uint8_t> labels, const User& user, bool floorKnown,
@@ -54,12 +57,14 @@ void BodyTracker::update(const Cloud& cloud, std::span<const std::uint8_t> label
                       .silhouette = &silhouette_,
                       .previous = before.found ? &before : nullptr,
                       .stature = floorKnown ? stature_ : kUsualStature,
-                      .floorKnown = floorKnown};
+                      .floorKnown = floorKnown,
+                      .halfDepth = halfDepth_};
     if (!trunk.isValid()) return;
     trunk.run();
     torso_ = trunk.pose;
     if (!torso_.found) return;
     learnStature(floorKnown);
+    learnHalfDepth();
 
     previousArms_ = arms_;
     previousLegs_ = legs_;
@@ -79,6 +84,14 @@ void BodyTracker::learnStature(bool floorKnown) {
     ++statureFrames_;
     const float weight = 1.0F / static_cast<float>(std::min(statureFrames_, kStatureFrames));
     stature_ += weight * (seen - stature_);
+}
+
+void BodyTracker::learnHalfDepth() {
+    // A slender trunk and a stout one differ by a hand's breadth; the head above shows where the spine is, as long as
+    // the person faces the sensor.
+    if (std::abs(torso_.surface[1]) > 0.3F) return;
+    const float seen = std::clamp(torso_.halfDepth, 0.050F, 0.095F);
+    halfDepth_ += 0.06F * (seen - halfDepth_);
 }
 
 void BodyTracker::collectPoints(const Cloud& cloud) {
@@ -204,7 +217,10 @@ float BodyTracker::confidenceOf(const Cloud& cloud, const Eigen::Vector3f& posit
     const Eigen::Vector3f cell = cloud.toCell(position);
     const int column = static_cast<int>(std::lround(cell.x()));
     const int row = static_cast<int>(std::lround(cell.y()));
-    if (cell.z() <= 0.0F || column < 0 || row < 0 || column >= kCloudWidth || row >= kCloudHeight) return kOutside;
+    if (cell.z() <= 0.0F || column < kEdge || row < kEdge || column >= kCloudWidth - kEdge ||
+        row >= kCloudHeight - kEdge) {
+        return kOutside;
+    }
     if (!silhouette_.contains(column, row)) return kOutside;
     const std::size_t i = cellIndex(column, row);
     if (silhouette_.inside[i] == 0) {

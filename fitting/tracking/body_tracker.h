@@ -32,6 +32,7 @@ class BodyTracker {
 
   private:
     static constexpr std::size_t kMostPoints = 180;
+    static constexpr float kUsualHalfDepth = 0.066F;
     /// A limb's depth points, and how far each is from what other parts of the body explain.
     struct LimbPoints {
         std::vector<Eigen::Vector3f> points;
@@ -39,6 +40,7 @@ class BodyTracker {
     };
 
     void learnStature(bool floorKnown);
+    void learnHalfDepth();
     void collectPoints(const Cloud& cloud);
     void fitLegs(const Cloud& cloud);
     void fitArms(const Cloud& cloud);
@@ -55,6 +57,7 @@ class BodyTracker {
     std::uint32_t userId_ = 0;
     float stature_ = 0.0F;
     int statureFrames_ = 0;
+    float halfDepth_ = kUsualHalfDepth;  ///< Of the trunk, in shares of the stature.
     hal::TimePoint lastTime_{};
 };
 

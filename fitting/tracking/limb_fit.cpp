@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace cheval::fitting::tracking {
 namespace {
@@ -92,7 +93,7 @@ float LimbFitJob::boneCost(const LimbPose& candidate) const {
         const int row = static_cast<int>(std::lround(cell.y()));
         if (cell.z() <= 0.0F || column < 0 || row < 0 || column >= kCloudWidth || row >= kCloudHeight) {
             // Outside the picture nothing speaks for or against.
-            cost += 0.12F;
+            cost += 0.05F;
             continue;
         }
         if (!silhouette->contains(column, row)) {
@@ -169,23 +170,58 @@ void LimbFitJob::tryPose(const LimbPose& candidate) {
     }
 }
 
-void LimbFitJob::seedFromPoints() {
-    // The point farthest from the root within reach is the tip; the elbow lies on one of the circles between.
-    const float reach = model.upperLength + model.lowerLength + model.beyond + 0.06F;
-    float farthest = 0.0F;
-    const Eigen::Vector3f* tip = nullptr;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const float away = (points[i] - root).norm();
-        if (away < reach && away > farthest && explained[i] > 0.05F) {
-            farthest = away;
-            tip = &points[i];
+void LimbFitJob::trySeed(const LimbPose& candidate) {
+    // The pool's worst stands in for the best in evaluate(), so that its early way out keeps what belongs in the pool.
+    pose.cost = starts.back().cost;
+    LimbPose start = candidate;
+    start.cost = evaluate(candidate);
+    start.valid = true;
+    if (start.cost >= starts.back().cost) return;
+    constexpr float kSame = 0.10F;
+    std::size_t place = starts.size() - 1;
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+        if (!starts[i].valid || (starts[i].end - start.end).norm() + (starts[i].middle - start.middle).norm() > kSame) {
+            continue;
         }
+        if (starts[i].cost <= start.cost) return;
+        place = i;  // A better one of the same basin takes its place.
+        break;
     }
-    if (tip == nullptr || farthest < 0.12F) return;
-    Eigen::Vector3f toEnd = *tip + Eigen::Vector3f(0, 0, model.lowerRadius) - root;
+    starts[place] = start;
+    for (; place > 0 && starts[place].cost < starts[place - 1].cost; --place) {
+        std::swap(starts[place], starts[place - 1]);
+    }
+}
+
+void LimbFitJob::seedFromPoints() {
+    // The points farthest from the root within reach may be the tip; another limb's may be among them, so three that
+    // lie apart are tried.
+    constexpr std::size_t kTips = 3;
+    constexpr float kApart = 0.15F;
+    const float reach = model.upperLength + model.lowerLength + model.beyond + 0.06F;
+    std::array<const Eigen::Vector3f*, kTips> tips{};
+    for (std::size_t k = 0; k < kTips; ++k) {
+        float farthest = 0.12F;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const float away = (points[i] - root).norm();
+            if (away > reach || away <= farthest || explained[i] < 0.05F) continue;
+            bool apart = true;
+            for (std::size_t other = 0; other < k; ++other) {
+                apart &= tips[other] == nullptr || (*tips[other] - points[i]).norm() > kApart;
+            }
+            if (!apart) continue;
+            farthest = away;
+            tips[k] = &points[i];
+        }
+        if (tips[k] != nullptr) seedFromTip(*tips[k]);
+    }
+}
+
+void LimbFitJob::seedFromTip(const Eigen::Vector3f& tip) {
+    // The middle joint lies on a circle about the line from root to end.
+    Eigen::Vector3f toEnd = tip + Eigen::Vector3f(0, 0, model.lowerRadius) - root;
     const float longest = 0.98F * (model.upperLength + model.lowerLength);
-    float length = std::max(0.12F, toEnd.norm() - model.beyond);
-    length = std::min(length, longest);
+    const float length = std::min(std::max(0.12F, toEnd.norm() - model.beyond), longest);
     toEnd.normalize();
     const float a = model.upperLength;
     const float b = model.lowerLength;
@@ -193,34 +229,19 @@ void LimbFitJob::seedFromPoints() {
     const float radius = std::sqrt(std::max(0.0F, a * a - alongAxis * alongAxis));
     const Eigen::Vector3f sideways = toEnd.unitOrthogonal();
     const Eigen::Vector3f other = toEnd.cross(sideways);
-    for (int k = 0; k < 8; ++k) {
-        const float angle = static_cast<float>(k) * 0.785398F;
-        LimbPose candidate;
-        candidate.middle = root + toEnd * alongAxis + (sideways * std::cos(angle) + other * std::sin(angle)) * radius;
-        candidate.end = root + toEnd * length;
-        tryPose(along(candidate.middle - root, candidate.end - candidate.middle));
+    constexpr int kAngles = 8;
+    for (int k = 0; k < kAngles; ++k) {
+        const float angle = static_cast<float>(k) * 6.2831853F / kAngles;
+        const Eigen::Vector3f middle =
+            root + toEnd * alongAxis + (sideways * std::cos(angle) + other * std::sin(angle)) * radius;
+        trySeed(along(middle - root, root + toEnd * length - middle));
     }
 }
 
-void LimbFitJob::run() {
-    pose = LimbPose{};
-    const float outwards = side == Side::left ? 1.0F : -1.0F;
-    const auto world = [&](float left, float up, float forward) -> Eigen::Vector3f {
-        return torso->left * (left * outwards) + torso->up * up + torso->forward * forward;
-    };
-    if (previous != nullptr && previous->valid) {
-        tryPose(along(previous->middle - root, previous->end - previous->middle));
-    }
-    const std::span<const float[6]> seeds =
-        model.kind == LimbKind::arm ? std::span<const float[6]>(kArmSeeds) : std::span<const float[6]>(kLegSeeds);
-    for (const auto& seed : seeds) {
-        tryPose(along(world(seed[0], seed[1], seed[2]), world(seed[3], seed[4], seed[5])));
-    }
-    seedFromPoints();
-    if (!pose.valid) return;
-    for (int k = 0; k < evaluations; ++k) {
-        const float progress = static_cast<float>(k) / static_cast<float>(evaluations);
-        const float spread = 0.6F * (1.0F - progress) * (1.0F - progress) + 0.04F;
+void LimbFitJob::refine(int steps, float widest) {
+    for (int k = 0; k < steps; ++k) {
+        const float left = 1.0F - static_cast<float>(k) / static_cast<float>(steps);
+        const float spread = widest * left * left + 0.04F;
         const Eigen::Vector3f upper = (pose.middle - root) / model.upperLength;
         const Eigen::Vector3f lower = (pose.end - pose.middle) / model.lowerLength;
         // Three kinds of step in turn: both bones, the lower alone, and the elbow with the hand kept in place.
@@ -235,6 +256,34 @@ void LimbFitJob::run() {
             tryPose(along(moved - root, pose.end - moved));
         }
     }
+}
+
+void LimbFitJob::run() {
+    pose = LimbPose{};
+    starts = {};
+    const float outwards = side == Side::left ? 1.0F : -1.0F;
+    const auto world = [&](float left, float up, float forward) -> Eigen::Vector3f {
+        return torso->left * (left * outwards) + torso->up * up + torso->forward * forward;
+    };
+    if (previous != nullptr && previous->valid) {
+        trySeed(along(previous->middle - root, previous->end - previous->middle));
+    }
+    const std::span<const float[6]> seeds =
+        model.kind == LimbKind::arm ? std::span<const float[6]>(kArmSeeds) : std::span<const float[6]>(kLegSeeds);
+    for (const auto& seed : seeds) {
+        trySeed(along(world(seed[0], seed[1], seed[2]), world(seed[3], seed[4], seed[5])));
+    }
+    seedFromPoints();
+    LimbPose best;
+    for (const LimbPose& start : starts) {
+        if (!start.valid) continue;
+        pose = start;
+        refine(evaluations / 6, 0.45F);
+        if (!best.valid || pose.cost < best.cost) best = pose;
+    }
+    if (!best.valid) return;
+    pose = best;
+    refine(evaluations / 2, 0.35F);
 }
 
 }  // namespace cheval::fitting::tracking

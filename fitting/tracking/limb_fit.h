@@ -54,8 +54,8 @@ struct Generator {
 
 /// Searches the two directions of a limb. The cost has four terms: depth points that no limb explains, bones in empty
 /// air, bones behind what is seen, and what bodies do not do. Starts are the pose before, the farthest points, and a
-/// small set of common poses; the best are then perturbed ever more finely. Invalid without cloud and silhouette, or
-/// when `explained` and `points` differ in length.
+/// small set of common poses; the best three that differ are each perturbed, and the winner ever more finely. Invalid
+/// without cloud and silhouette, or when `explained` and `points` differ in length.
 struct LimbFitJob {
     const Cloud* cloud = nullptr;
     const Silhouette* silhouette = nullptr;
@@ -69,7 +69,8 @@ struct LimbFitJob {
     int evaluations = 160;
     Generator generator;
 
-    LimbPose pose;  ///< Out.
+    LimbPose pose;                     ///< Out.
+    std::array<LimbPose, 3> starts{};  ///< Out: the best starts that differ, best first.
 
     [[nodiscard]] bool isValid() const {
         return cloud != nullptr && silhouette != nullptr && torso != nullptr && points.size() == explained.size();
@@ -81,7 +82,10 @@ struct LimbFitJob {
   private:
     [[nodiscard]] LimbPose along(const Eigen::Vector3f& upper, const Eigen::Vector3f& lower) const;
     void tryPose(const LimbPose& candidate);
+    void trySeed(const LimbPose& candidate);
     void seedFromPoints();
+    void seedFromTip(const Eigen::Vector3f& tip);
+    void refine(int steps, float widest);
     [[nodiscard]] float boneCost(const LimbPose& candidate) const;
     [[nodiscard]] float bodyCost(const LimbPose& candidate) const;
 };

@@ -13,8 +13,11 @@ namespace {
 constexpr float kHeadReach = 0.052F;
 constexpr float kTrunkReach = 0.068F;
 constexpr float kUsualStature = 1.70F;
-/// From the front surface to the joint centres, in shares of the stature.
-constexpr float kTrunkHalfDepth = 0.055F;
+/// The sensor loses the outermost hair and pixels of a head.
+constexpr float kCrownLost = 0.012F;
+/// How far behind the centre of the head the trunk's joints lie in a person who stands upright.
+constexpr float kTrunkBehindHead = 0.026F;
+/// From the front of the face to the centre of the head, in shares of the stature.
 constexpr float kHeadHalfDepth = 0.040F;
 
 /// Centimetre histogram of x in ±4 m, for a median without sorting.
@@ -97,7 +100,7 @@ bool TorsoFitJob::findHead(float centre) {
         ++steps;
     }
     const float walked = static_cast<float>(steps) * size;
-    pose.crown = cloud->y[best] + std::max(walked, kHeadReach * scale);
+    pose.crown = cloud->y[best] + std::max(walked, kHeadReach * scale) + kCrownLost * scale;
 
     const float headHeight = 0.135F * pose.stature;
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
@@ -207,9 +210,13 @@ void TorsoFitJob::placeJoints() {
         const float y = pose.crown - share * pose.stature * pose.up.y();
         const float line = middle + slope * (y - pose.crown);
         const float x = line + headWeight * (pose.head.x() - line);
-        const float front = pose.surface[0] + pose.surface[1] * line + pose.surface[2] * y;
-        return Eigen::Vector3f(x, y, front) - pose.forward * (kTrunkHalfDepth * pose.stature);
+        const float skin = pose.surface[0] + pose.surface[1] * line + pose.surface[2] * y;
+        return Eigen::Vector3f(x, y, skin) - pose.forward * (halfDepth * pose.stature);
     };
+    const float chest = pose.crown - 0.30F * pose.stature;
+    const float front =
+        pose.surface[0] + pose.surface[1] * (middle + slope * (chest - pose.crown)) + pose.surface[2] * chest;
+    pose.halfDepth = (pose.head.z() - front) / pose.stature + kTrunkBehindHead;
     pose.neck = spine(proportion::kNeck, 0.5F);
     const Eigen::Vector3f shoulder = spine(proportion::kShoulder, 0.3F);
     const Eigen::Vector3f hip = spine(proportion::kHip, 0.0F);

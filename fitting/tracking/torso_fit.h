@@ -22,7 +22,7 @@ inline constexpr float kHip = 0.478F;
 inline constexpr float kShoulderHalfBreadth = 0.103F;
 inline constexpr float kHipHalfBreadth = 0.061F;
 inline constexpr float kUpperArm = 0.150F;
-inline constexpr float kForearm = 0.172F;  ///< Elbow to the centre of the palm.
+inline constexpr float kForearm = 0.179F;  ///< Elbow to the centre of the palm.
 inline constexpr float kThigh = 0.238F;
 inline constexpr float kShank = 0.248F;
 }  // namespace proportion
@@ -37,8 +37,9 @@ struct TorsoPose {
     Eigen::Vector3f left{-1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};
     /// The front surface: z = surface[0] + surface[1]·x + surface[2]·y.
     Eigen::Vector3f surface = Eigen::Vector3f::Zero();
-    float crown = 0.0F;    ///< Height of the highest point of the head, as seen.
-    float stature = 1.7F;  ///< What the proportions were taken of.
+    float halfDepth = 0.0F;  ///< What halfDepth would put the trunk straight under the head; 0: not seen.
+    float crown = 0.0F;      ///< Height of the highest point of the head, as seen.
+    float stature = 1.7F;    ///< What the proportions were taken of.
     bool found = false;
     bool headSeen = false;
 };
@@ -50,6 +51,7 @@ struct TorsoFitJob {
     const TorsoPose* previous = nullptr;  ///< Of the frame before, or null.
     float stature = 0.0F;                 ///< As known so far; 0: not known, take what is seen.
     bool floorKnown = true;
+    float halfDepth = 0.066F;  ///< From the trunk's front to its joints, in shares of the stature.
 
     TorsoPose pose;       ///< Out.
     float middle = 0.0F;  ///< Out: the trunk's middle line, x = middle + slope · (y − crown).
