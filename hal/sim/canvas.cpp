@@ -79,6 +79,8 @@ void Canvas::drawTriangle(const CanvasVertex& a, const CanvasVertex& b, const Ca
     const int top = std::max(0, static_cast<int>(std::ceil(lowest)));
     const int bottom = std::min(sampleHeight() - 1, static_cast<int>(std::floor(highest)));
     if (top > bottom) return;
+    // Many triangles of hands and faces fall between the samples.
+    if (std::ceil(std::min({a.x, b.x, c.x})) > std::floor(std::max({a.x, b.x, c.x}))) return;
 
     const float scale = 1.0F / area;
     const auto slopes = [&](float va, float vb, float vc) {

@@ -35,15 +35,15 @@ struct Level {
     float widthByBuild, frontByBuild;
 };
 constexpr std::array<Level, 19> kTorso = {{
-    {-0.045F, 0.060F, 0.040F, 0.046F, 0.008F, 0.004F}, {0.00F, 0.088F, 0.054F, 0.062F, 0.013F, 0.010F},
-    {0.08F, 0.0975F, 0.060F, 0.069F, 0.018F, 0.018F},  {0.15F, 0.0985F, 0.062F, 0.069F, 0.021F, 0.026F},
+    {-0.045F, 0.058F, 0.028F, 0.036F, 0.008F, 0.004F}, {0.00F, 0.090F, 0.044F, 0.055F, 0.013F, 0.008F},
+    {0.08F, 0.1000F, 0.056F, 0.068F, 0.018F, 0.015F},  {0.15F, 0.1005F, 0.062F, 0.069F, 0.021F, 0.026F},
     {0.22F, 0.095F, 0.061F, 0.063F, 0.024F, 0.034F},   {0.30F, 0.088F, 0.058F, 0.054F, 0.026F, 0.040F},
     {0.38F, 0.0815F, 0.055F, 0.048F, 0.027F, 0.041F},  {0.46F, 0.0815F, 0.056F, 0.049F, 0.026F, 0.036F},
     {0.54F, 0.086F, 0.060F, 0.054F, 0.023F, 0.027F},   {0.62F, 0.0925F, 0.065F, 0.060F, 0.019F, 0.018F},
     {0.69F, 0.0970F, 0.067F, 0.063F, 0.016F, 0.013F},  {0.75F, 0.0985F, 0.063F, 0.063F, 0.013F, 0.010F},
-    {0.81F, 0.0985F, 0.056F, 0.060F, 0.011F, 0.007F},  {0.865F, 0.0980F, 0.049F, 0.056F, 0.010F, 0.005F},
-    {0.905F, 0.0940F, 0.043F, 0.050F, 0.009F, 0.004F}, {0.94F, 0.0830F, 0.037F, 0.045F, 0.008F, 0.003F},
-    {0.97F, 0.0640F, 0.033F, 0.040F, 0.006F, 0.003F},  {1.00F, 0.0455F, 0.032F, 0.037F, 0.005F, 0.003F},
+    {0.81F, 0.0985F, 0.056F, 0.060F, 0.011F, 0.007F},  {0.865F, 0.1000F, 0.049F, 0.056F, 0.010F, 0.005F},
+    {0.905F, 0.0980F, 0.043F, 0.050F, 0.009F, 0.004F}, {0.94F, 0.0885F, 0.037F, 0.045F, 0.008F, 0.003F},
+    {0.97F, 0.0690F, 0.033F, 0.040F, 0.006F, 0.003F},  {1.00F, 0.0465F, 0.032F, 0.037F, 0.005F, 0.003F},
     {1.02F, 0.0365F, 0.031F, 0.034F, 0.004F, 0.003F},
 }};
 constexpr int kTorsoSegments = 40;
@@ -64,11 +64,16 @@ struct TorsoMaker {
         const float upper = smooth(0.35F, 0.8F, level.height);
         // Shoulders grow and hips shrink with masculinity; an average woman's bust and seat stand out more.
         const float sex = shopper.masculine - 0.5F;
-        const float width = level.width * (1.0F + sex * (0.17F * upper - 0.06F)) + level.widthByBuild * build;
+        float width = level.width * (1.0F + sex * (0.17F * upper - 0.06F)) + level.widthByBuild * build;
+        // Hips are never narrower than the thighs below them.
+        const float thighs =
+            rig.at(Side::left, SideBone::thigh).x() / h + 0.0505F * (1.0F - 0.06F * sex) + 0.013F * build;
+        const bool overThighs = level.height > 0.02F && level.height < 0.25F;
+        if (overThighs) width = std::max(width, thighs);
         const float bust = std::exp(-std::pow((level.height - 0.67F) / 0.09F, 2.0F));
         const float child = shopper.stature < 1.45F ? 0.0F : 1.0F;
-        const float front =
-            level.front + level.frontByBuild * std::max(build, 0.35F * build) - 0.012F * child * sex * bust;
+        float front = level.front + level.frontByBuild * std::max(build, 0.35F * build) - 0.012F * child * sex * bust;
+        if (overThighs) front = std::max(front, 0.0575F + 0.013F * build);
         const float back = level.back + 0.4F * level.frontByBuild * build -
                            0.008F * sex * std::exp(-std::pow((level.height - 0.1F) / 0.12F, 2.0F));
         const float y = crotch + level.height * (neckBase - crotch);
@@ -100,17 +105,21 @@ void followThighs(Mesh& mesh, std::size_t first, std::size_t rings, int segments
     }
 }
 
+float neckRadius(const Shopper& shopper) {
+    return shopper.stature * (0.0300F + 0.0030F * shopper.masculine + 0.0035F * shopper.build);
+}
+
 void addTorso(const Shopper& shopper, const Rig& rig, Mesh& mesh) {
     const TorsoMaker maker(shopper, rig);
-    std::array<Ring, kTorso.size()> rings;
-    std::array<float, kTorso.size()> shares{};
+    std::array<Ring, kTorso.size() + 5> rings;
+    std::array<float, kTorso.size() + 5> shares{};
     // Seat of the trousers.
     std::size_t count = 0;
     for (const Level& level : kTorso) {
         if (level.height > kBeltHeight + 0.05F) break;
         shares[count] = 0.55F * (1.0F - smooth(-0.02F, 0.16F, level.height));
         rings[count] = maker.at(level, 0.6F * shopper.clothEase, shopper.trousers);
-        rings[count].shade = level.height < 0.02F ? 0.75F : 1.0F;
+        rings[count].shade = 0.88F + 0.12F * smooth(0.0F, 0.2F, level.height);
         ++count;
     }
     const Material trousers = shopper.darkTrousers ? Material::darkCloth : Material::cloth;
@@ -135,17 +144,31 @@ void addTorso(const Shopper& shopper, const Rig& rig, Mesh& mesh) {
         const float loose = 1.0F + 0.9F * (1.0F - smooth(0.1F, 0.6F, level.height));
         add(level, loose * shopper.clothEase, 1.0F);
     }
+    // A round collar: lower in front, its edge turned in.
+    const auto collar = [&](float width, float lift, float shade) {
+        Ring ring = rings[count - 1];
+        const float neck = neckRadius(shopper);
+        ring.centre = rig.at(Bone::neck) + shopper.stature * Vector3f(0.0F, lift, 0.004F);
+        ring.ahead = Vector3f(0.0F, -0.42F, 1.0F).normalized();
+        ring.halfWidth = ring.front = ring.back = neck * width;
+        ring.hold = TorsoMaker::hold(1.0F);
+        ring.squareness = 2.0F;
+        ring.shade = shade;
+        rings[count++] = ring;
+    };
+    collar(1.30F, 0.006F, 1.0F);
+    collar(1.22F, 0.009F, 0.90F);
+    collar(1.06F, 0.004F, 0.5F);
     first = addLoft(mesh, std::span(rings).first(count), kTorsoSegments, shirt, Cap::open, Cap::open);
     followThighs(mesh, first, 3, kTorsoSegments, shares);
 
     // Neck and the skin that the collar leaves bare.
     count = 0;
-    const float h = shopper.stature;
-    const float neck = h * (0.0325F + 0.0035F * shopper.masculine + 0.004F * shopper.build);
+    const float neck = neckRadius(shopper);
     const Vector3f base = rig.at(Bone::neck);
-    const Vector3f top = rig.at(Bone::head) + Vector3f(0.0F, 0.03F * h, 0.0F);
+    const Vector3f top = rig.at(Bone::head) + Vector3f(0.0F, 0.03F * shopper.stature, 0.0F);
     constexpr std::array<float, 7> kNeckHeights = {-0.28F, -0.1F, 0.1F, 0.3F, 0.5F, 0.75F, 1.0F};
-    constexpr std::array<float, 7> kNeckFlare = {1.62F, 1.38F, 1.15F, 1.03F, 1.0F, 1.0F, 1.0F};
+    constexpr std::array<float, 7> kNeckFlare = {1.45F, 1.22F, 1.08F, 1.01F, 1.0F, 1.0F, 1.0F};
     for (std::size_t i = 0; i < kNeckHeights.size(); ++i) {
         const float along = kNeckHeights[i];
         rings[count++] = {.centre = base + along * (top - base),
@@ -172,8 +195,13 @@ struct Limb {
     Vector3f begin, middle, end;
     std::size_t root, upper, lower, tip;  ///< Bones: what it grows from, its two, what it ends in.
     float joint;                          ///< Half length of the bend, as a share of a bone.
+    float rise;                           ///< How steeply its root climbs towards the middle of the body.
 
     [[nodiscard]] Vector3f at(float along) const {
+        if (along < 0.0F) {
+            const float length = (middle - begin).norm();
+            return begin - along * length * Vector3f(begin.x() > 0.0F ? -0.93F : 0.93F, rise, 0.0F);
+        }
         return along < 1.0F ? Vector3f(begin + along * (middle - begin))
                             : Vector3f(middle + (along - 1.0F) * (end - middle));
     }
@@ -184,13 +212,13 @@ struct Limb {
     }
 };
 
-constexpr std::array<Station, 21> kArm = {
-    {{-0.13F, 0.0130F, 0.002F}, {-0.11F, 0.0205F, 0.003F}, {-0.06F, 0.0265F, 0.004F}, {0.03F, 0.0300F, 0.005F},
-     {0.14F, 0.0312F, 0.006F},  {0.26F, 0.0302F, 0.006F},  {0.40F, 0.0290F, 0.006F},  {0.55F, 0.0278F, 0.006F},
-     {0.70F, 0.0262F, 0.005F},  {0.82F, 0.0245F, 0.004F},  {0.92F, 0.0235F, 0.004F},  {1.00F, 0.0232F, 0.003F},
-     {1.08F, 0.0236F, 0.003F},  {1.20F, 0.0243F, 0.004F},  {1.34F, 0.0236F, 0.004F},  {1.50F, 0.0215F, 0.003F},
-     {1.66F, 0.0190F, 0.003F},  {1.80F, 0.0170F, 0.002F},  {1.92F, 0.0160F, 0.002F},  {2.00F, 0.0157F, 0.002F},
-     {2.05F, 0.0155F, 0.002F}}};
+constexpr std::array<Station, 23> kArm = {
+    {{-0.44F, 0.0150F, 0.001F}, {-0.34F, 0.0195F, 0.002F}, {-0.24F, 0.0225F, 0.003F}, {-0.14F, 0.0250F, 0.004F},
+     {-0.05F, 0.0270F, 0.004F}, {0.04F, 0.0285F, 0.005F},  {0.14F, 0.0298F, 0.006F},  {0.26F, 0.0298F, 0.006F},
+     {0.40F, 0.0290F, 0.006F},  {0.55F, 0.0278F, 0.006F},  {0.70F, 0.0262F, 0.005F},  {0.82F, 0.0245F, 0.004F},
+     {0.92F, 0.0235F, 0.004F},  {1.00F, 0.0232F, 0.003F},  {1.08F, 0.0236F, 0.003F},  {1.20F, 0.0243F, 0.004F},
+     {1.34F, 0.0236F, 0.004F},  {1.50F, 0.0215F, 0.003F},  {1.66F, 0.0190F, 0.003F},  {1.80F, 0.0170F, 0.002F},
+     {1.92F, 0.0160F, 0.002F},  {2.00F, 0.0157F, 0.002F},  {2.05F, 0.0155F, 0.002F}}};
 
 void addArm(const Shopper& shopper, const Rig& rig, Side side, Mesh& mesh) {
     const Limb limb{.begin = rig.at(side, SideBone::upperArm),
@@ -200,7 +228,8 @@ void addArm(const Shopper& shopper, const Rig& rig, Side side, Mesh& mesh) {
                     .upper = bone(side, SideBone::upperArm),
                     .lower = bone(side, SideBone::forearm),
                     .tip = bone(side, SideBone::forearmTwist),
-                    .joint = 0.2F};
+                    .joint = 0.2F,
+                    .rise = 0.36F};
     const Vector3f along = (limb.end - limb.begin).normalized();
     const Vector3f ahead = Vector3f::UnitZ().cross(along);
     const float h = shopper.stature;
@@ -232,7 +261,7 @@ void addArm(const Shopper& shopper, const Rig& rig, Side side, Mesh& mesh) {
         if (station.along < sleeveEnd - 0.2F) continue;
         rings[count++] = ring(station, 0.0F, shopper.skin);
     }
-    addLoft(mesh, std::span(rings).first(count), 20, Material::skin, Cap::open, Cap::flat);
+    addLoft(mesh, std::span(rings).first(count), 20, Material::skin, Cap::open, Cap::open);
 
     count = 0;
     for (const Station& station : kArm) {
@@ -284,7 +313,8 @@ void addLeg(const Shopper& shopper, const Rig& rig, Side side, Mesh& mesh) {
                     .upper = bone(side, SideBone::thigh),
                     .lower = bone(side, SideBone::shin),
                     .tip = bone(side, SideBone::foot),
-                    .joint = 0.16F};
+                    .joint = 0.16F,
+                    .rise = 0.93F};
     const float h = shopper.stature;
     const float ease = 0.5F * shopper.clothEase;
     std::array<Ring, kLeg.size() + 3> rings;
@@ -295,7 +325,7 @@ void addLeg(const Shopper& shopper, const Rig& rig, Side side, Mesh& mesh) {
             ease * (1.0F + 0.6F * smooth(1.0F, 2.0F, station.along));
         Hold hold = limb.hold(station.along);
         if (station.along >= 1.5F) hold = held(limb.lower, limb.tip, 0.35F * smooth(1.7F, 2.0F, station.along));
-        const float inner = station.along < 0.5F ? 0.82F + 0.18F * smooth(-0.1F, 0.5F, station.along) : 1.0F;
+        const float inner = 0.88F + 0.12F * smooth(0.0F, 0.5F, station.along);
         rings[count++] = {.centre = limb.at(station.along) + Vector3f(0.0F, 0.0F, calfSet(station.along) * h),
                           .halfWidth = radius,
                           .front = radius,
@@ -369,6 +399,32 @@ void addShoe(const Shopper& shopper, const Rig& rig, Side side, Mesh& mesh) {
     build(1.07F, kSole, shopper.sole, true);
 }
 
+/// Where the thighs leave the seat, as softenShoulder.
+void softenHips(const Shopper& shopper, Mesh& mesh) {
+    const float h = shopper.stature;
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        const Vector3f& p = mesh.positions[i];
+        if (std::abs(p.x()) > 0.2F * h) continue;
+        const float near = 0.8F * smooth(0.085F * h, 0.030F * h, std::abs(p.y() - 0.495F * h));
+        if (near <= 0.0F) continue;
+        const Vector3f outward = Vector3f(0.6F * p.x(), 0.0F, p.z()).normalized();
+        mesh.normals[i] = ((1.0F - near) * mesh.normals[i] + near * outward).normalized();
+    }
+}
+
+/// Sleeve and shirt cross at the shoulder; light must not show that they are two surfaces.
+void softenShoulder(const Shopper& shopper, const Rig& rig, Side side, Mesh& mesh) {
+    const float h = shopper.stature;
+    const Vector3f joint = rig.at(side, SideBone::upperArm);
+    const Vector3f centre(0.74F * joint.x(), joint.y() - 0.012F * h, joint.z());
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        const Vector3f& p = mesh.positions[i];
+        const float near = 0.8F * smooth(0.075F * h, 0.030F * h, (p - joint).norm());
+        if (near <= 0.0F) continue;
+        mesh.normals[i] = ((1.0F - near) * mesh.normals[i] + near * (p - centre).normalized()).normalized();
+    }
+}
+
 }  // namespace
 
 void buildFigure(const Shopper& shopper, const Rig& rig, Mesh& mesh) {
@@ -382,6 +438,9 @@ void buildFigure(const Shopper& shopper, const Rig& rig, Mesh& mesh) {
         addShoe(shopper, rig, side, mesh);
     }
     mesh.finish();
+    for (const Side side : kSides)
+        softenShoulder(shopper, rig, side, mesh);
+    softenHips(shopper, mesh);
 }
 
 }  // namespace cheval::hal::sim

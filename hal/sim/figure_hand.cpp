@@ -44,7 +44,7 @@ void addHand(const Shopper& shopper, const Rig& rig, Side side, Mesh& mesh) {
                     .colour = shopper.skin,
                     .squareness = 2.5F};
     }
-    addLoft(mesh, std::span(rings).first(kAlong.size()), 16, Material::skin, Cap::flat, Cap::flat);
+    addLoft(mesh, std::span(rings).first(kAlong.size()), 16, Material::skin, Cap::open, Cap::flat);
 
     for (std::size_t finger = 0; finger < kFingerCount; ++finger) {
         const float length = rig.fingerLength[finger];

@@ -118,13 +118,13 @@ void addFace(const Shopper& shopper, const HeadFrame& frame, Mesh& mesh) {
     const Vector3f brow = 0.55F * shopper.hair + 0.25F * shopper.skin;
     const Vector3f lip(0.86F * shopper.skin.x(), 0.66F * shopper.skin.y(), 0.66F * shopper.skin.z());
     for (const float side : {-1.0F, 1.0F}) {
-        blob(frame.at(side * 0.142F, 0.497F, 0.338F), {0.056F, 0.024F, 0.034F}, {0.90F, 0.89F, 0.87F}, Material::skin,
+        blob(frame.at(side * 0.142F, 0.497F, 0.338F), {0.060F, 0.027F, 0.034F}, {0.90F, 0.89F, 0.87F}, Material::skin,
              side * 0.06F, 0.86F);
-        blob(frame.at(side * 0.140F, 0.497F, 0.352F), {0.026F, 0.025F, 0.028F}, {0.24F, 0.17F, 0.13F}, Material::skin);
+        blob(frame.at(side * 0.140F, 0.497F, 0.352F), {0.029F, 0.028F, 0.028F}, {0.24F, 0.17F, 0.13F}, Material::skin);
         // The upper lid, then the brow.
-        blob(frame.at(side * 0.143F, 0.520F, 0.338F), {0.062F, 0.012F, 0.040F}, 0.72F * shopper.skin, Material::skin,
+        blob(frame.at(side * 0.143F, 0.523F, 0.338F), {0.065F, 0.012F, 0.040F}, 0.72F * shopper.skin, Material::skin,
              side * 0.05F);
-        blob(frame.at(side * 0.148F, 0.575F, 0.358F), {0.072F, 0.013F, 0.030F}, brow, Material::hair, -side * 0.10F);
+        blob(frame.at(side * 0.148F, 0.575F, 0.358F), {0.078F, 0.013F, 0.030F}, brow, Material::hair, -side * 0.10F);
         // Ear and nostril wing.
         blob(frame.at(side * 0.318F, 0.44F, -0.03F), {0.030F, 0.095F, 0.060F}, shopper.skin, Material::skin,
              -side * 0.12F, 0.9F);

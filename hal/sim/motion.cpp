@@ -211,6 +211,11 @@ FootAttitude pitched(FootAttitude foot, float pitch, const Gait& gait) {
     return foot;
 }
 
+/// Feet point a little outwards.
+float toeOut(Side side) {
+    return side == Side::left ? 0.13F : -0.13F;
+}
+
 void walkFeet(const Walk& walk, const Gait& gait, double time, Posture& posture) {
     const float phase = walk.gait(time);
     const int step = static_cast<int>(std::floor(phase));
@@ -222,7 +227,8 @@ void walkFeet(const Walk& walk, const Gait& gait, double time, Posture& posture)
         return gait.stanceHalfWidth * (foot == fitting::index(Side::left) ? 1.0F : -1.0F) * (1.0F - 0.3F * vigour);
     };
     const Place here = walk.plant(step);
-    FootAttitude stand{.ankle = aside(here, sideways(standing), gait.ankleHeight), .yaw = here.yaw};
+    FootAttitude stand{.ankle = aside(here, sideways(standing), gait.ankleHeight),
+                       .yaw = here.yaw + toeOut(leftStands ? Side::left : Side::right)};
     posture.feet[standing] = pitched(stand, 0.0F, gait);
 
     const Place from = walk.plant(step - 1);
@@ -230,7 +236,7 @@ void walkFeet(const Walk& walk, const Gait& gait, double time, Posture& posture)
     const float swing = ease((u - 0.06F) / 0.88F);
     const std::size_t swinging = 1 - standing;
     FootAttitude foot;
-    foot.yaw = from.yaw + swing * (to.yaw - from.yaw);
+    foot.yaw = from.yaw + swing * (to.yaw - from.yaw) + toeOut(leftStands ? Side::right : Side::left);
     foot.ankle = (1.0F - swing) * aside(from, sideways(swinging), gait.ankleHeight) +
                  swing * aside(to, sideways(swinging), gait.ankleHeight);
     const float stride = (to.position - from.position).norm();
@@ -299,7 +305,8 @@ void stand(const Gait& gait, std::span<const Turn> turns, double time, Posture& 
         const std::size_t i = fitting::index(side);
         const float offset = gait.stanceHalfWidth * (side == Side::left ? 1.0F : -1.0F);
         const Place place{.position = {0.0F, kStandDepth}, .yaw = footYaw[i]};
-        posture.feet[i] = {.ankle = aside(place, offset, gait.ankleHeight + 0.03F * lift[i]), .yaw = footYaw[i]};
+        posture.feet[i] = {.ankle = aside(place, offset, gait.ankleHeight + 0.03F * lift[i]),
+                           .yaw = footYaw[i] + toeOut(side)};
     }
 }
 

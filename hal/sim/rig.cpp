@@ -149,7 +149,7 @@ void placeLeg(const Rig& rig, Side side, const FootAttitude& foot, float yaw, Po
 Rig makeRig(const Shopper& shopper) {
     Rig rig;
     const float h = shopper.stature;
-    const float shoulder = h * (0.0960F + 0.014F * shopper.masculine + 0.004F * shopper.build);
+    const float shoulder = h * (0.0950F + 0.014F * shopper.masculine + 0.004F * shopper.build);
     rig.rest[bone(Bone::pelvis)] = {0.0F, 0.525F * h, 0.0F};
     rig.rest[bone(Bone::chest)] = {0.0F, 0.62F * h, 0.0F};
     rig.crown = {0.0F, h, 0.004F * h};
@@ -172,7 +172,7 @@ Rig makeRig(const Shopper& shopper) {
         const auto put = [&](std::size_t which, const Vector3f& left) {
             rig.rest[which] = side == Side::left ? left : mirrored(left);
         };
-        const Vector3f shoulderPoint(shoulder, neckBase - 0.043F * h, -0.008F * h);
+        const Vector3f shoulderPoint(shoulder, neckBase - 0.048F * h, -0.008F * h);
         const Vector3f elbow = shoulderPoint + 0.168F * h * along;
         const Vector3f wrist = elbow + 0.145F * h * along;
         put(bone(side, SideBone::upperArm), shoulderPoint);

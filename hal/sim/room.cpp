@@ -137,7 +137,9 @@ void paintShell(const View& view, Canvas& canvas) {
             const Vector3f p = view.place() + distance * ray;
             const Vector3f colour =
                 lit(isFloor ? rugOver(floorColour(p), p) : wallColour(p), p, isFloor).cwiseMin(1.0F).cwiseMax(0.0F);
-            const auto byte = [](float value) { return static_cast<std::uint32_t>(std::lround(255.0F * value)); };
+            // Rounded up or down by chance, so that slow gradients show no bands.
+            const float chance = unitInterval(scramble(static_cast<std::uint32_t>(y), static_cast<std::uint32_t>(x)));
+            const auto byte = [chance](float value) { return static_cast<std::uint32_t>(254.99F * value + chance); };
             // The ray is one metre deep along the optical axis, so its factor is the depth.
             canvas.put(x, y, 1.0F / distance,
                        paint(byte(colour.x()), byte(colour.y()), byte(colour.z()), Material::room));

@@ -43,7 +43,7 @@ constexpr float weakness(Material material) {
         case Material::room:
         case Material::skin:
         case Material::cloth:
-            return 0.002F;
+            break;
     }
     return 0.0F;
 }
@@ -82,16 +82,21 @@ void SensorModel::prepareRow(const Image<float>& depth, const Image<Material>& m
     const int width = intrinsics_.width;
     const float* z = depth.view().row(y);
     const Material* surface = material.view().row(y);
-    // The whole row takes part in shadows; the rest is only worked out between `from` and `to`.
-    for (int x = 0; x < width; ++x)
+    for (int x = from; x < to; ++x)
         disparity[x] = z[x] > 0.0F ? focalBaseline_ / z[x] : 0.0F;
 
     std::fill(projector_.begin(), projector_.end(), 0.0F);
-    const auto column = [](float at) { return static_cast<int>(std::lround(at)) + kProjectorMargin; };
+    // Rounded; what lies left of the margin is out of the projector's row.
+    const auto column = [](float at) {
+        const float shifted = at + (0.5F + static_cast<float>(kProjectorMargin));
+        return shifted < 0.0F ? -1 : static_cast<int>(shifted);
+    };
     const auto columns = static_cast<int>(projector_.size());
     int last = -1;
     float lastDisparity = 0.0F;
-    for (int x = 0; x < width; ++x) {
+    // What takes a pixel's light lies to its right, by the difference of the two disparities.
+    const int end = std::min(width, to + kProjectorMargin);
+    for (int x = std::max(0, from - 1); x < end; ++x) {
         const float d = disparity[x];
         if (d <= 0.0F) continue;
         const int at = column(static_cast<float>(x) - d);
@@ -167,23 +172,25 @@ void SensorModel::senseRow(int y, std::uint32_t frameKey, const float* disparity
     const std::uint32_t flickerRow = scramble(frameKey, static_cast<std::uint32_t>(y / 2) + 0x5000U);
     constexpr float kTemporal = kDisparityNoise * kPairShare * kPairShare;
     for (int x = 0; x < width; ++x) {
+        const float d = disparity[x] + fixedNoise[x] + kTemporal * (noise[x] + noise[x + 1]);
+        const auto steps = static_cast<std::int32_t>(d * (1.0F / kDisparityStep) + 0.5F);
+        const float z = focalBaseline_ / (std::max(1.0F, static_cast<float>(steps)) * kDisparityStep);
+        const bool inRange = z >= kNearestMm && z <= kFarthestMm;
+        readings[x] = static_cast<std::uint16_t>(inRange ? static_cast<std::int32_t>(z + 0.5F) : 0);
+    }
+    for (int x = 0; x < width; ++x) {
+        if (failure[x] == 0) continue;
         if (failure[x] == 0xffffU) {
             readings[x] = 0;
             continue;
         }
-        const float d = disparity[x] + fixedNoise[x] + kTemporal * (noise[x] + noise[x + 1]);
-        const auto steps = static_cast<std::int32_t>(d * (1.0F / kDisparityStep) + 0.5F);
-        float z = steps > 0 ? focalBaseline_ / (static_cast<float>(steps) * kDisparityStep) : 0.0F;
-        if (failure[x] > 200) {
-            const auto patch = static_cast<std::uint32_t>(x / 2);
-            const std::uint32_t mixed =
-                (scramble(patchRow + patch) & 0xffffU) / 2 + (scramble(flickerRow + patch) & 0xffffU) / 2;
-            // The mean of two uniform draws, made uniform again.
-            const float mean = static_cast<float>(mixed) * (1.0F / 65535.0F);
-            const float uniform = mean < 0.5F ? 2.0F * mean * mean : 1.0F - 2.0F * (1.0F - mean) * (1.0F - mean);
-            if (uniform * 65535.0F < static_cast<float>(failure[x])) z = 0.0F;
-        }
-        readings[x] = z >= kNearestMm && z <= kFarthestMm ? static_cast<std::uint16_t>(z + 0.5F) : std::uint16_t{0};
+        const auto patch = static_cast<std::uint32_t>(x / 2);
+        const std::uint32_t mixed =
+            (scramble(patchRow + patch) & 0xffffU) / 2 + (scramble(flickerRow + patch) & 0xffffU) / 2;
+        // The mean of two uniform draws, made uniform again.
+        const float mean = static_cast<float>(mixed) * (1.0F / 65535.0F);
+        const float uniform = mean < 0.5F ? 2.0F * mean * mean : 1.0F - 2.0F * (1.0F - mean) * (1.0F - mean);
+        if (uniform * 65535.0F < static_cast<float>(failure[x])) readings[x] = 0;
     }
 }
 
@@ -197,6 +204,8 @@ void SensorModel::sense(const Image<float>& depth, const Image<Material>& materi
         const float* disparity = &roomDisparity_[row];
         const std::uint16_t* failure = &roomFailure_[row];
         if (!changed.empty() && y >= changed.top && y < changed.bottom) {
+            std::copy_n(disparity, width, rowDisparity_.begin());
+            std::copy_n(disparity, width, rowDisparity_.begin());
             std::copy_n(failure, width, rowFailure_.begin());
             prepareRow(depth, material, y, changed.left, changed.right, rowDisparity_.data(), rowFailure_.data());
             disparity = rowDisparity_.data();

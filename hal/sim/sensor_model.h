@@ -32,6 +32,8 @@ class SensorModel {
                ImageView<std::uint16_t> readings);
 
   private:
+    /// Works out a row's disparities and chances of failure from column `from` up to `to`; elsewhere `disparity` must
+    /// hold the room's.
     void prepareRow(const Image<float>& depth, const Image<Material>& material, int y, int from, int to,
                     float* disparity, std::uint16_t* failure);
     void senseRow(int y, std::uint32_t frameKey, const float* disparity, const std::uint16_t* failure,
