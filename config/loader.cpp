@@ -75,6 +75,11 @@ std::size_t rowOf(std::string_view path) {
         table.begin());
 }
 
+void restore(LoadedSettings& loaded, std::string_view path) {
+    const Setting& setting = settingsTable()[rowOf(path)];
+    setting.set(loaded.settings, setting.fallback);
+}
+
 /// Rules between settings; the problem points at where `path` was set.
 void refuse(LoadedSettings& loaded, std::string_view path, std::string cause, std::string mend, std::string why) {
     const SettingOrigin& origin = loaded.origins[rowOf(path)];
@@ -120,6 +125,7 @@ void checkOutfits(LoadedSettings& loaded) {
     }
 }
 
+/// Each rule that is broken also puts its settings back to their defaults, so that what is left goes together.
 void checkTogether(LoadedSettings& loaded) {
     const Settings& settings = loaded.settings;
     if (settings.sensor.source == SensorSource::replay && settings.sensor.folder.empty()) {
@@ -130,12 +136,34 @@ void checkTogether(LoadedSettings& loaded) {
         refuse(
             loaded, "display.kind", "the preview is not enabled", "set preview.enabled = true, or another display.kind",
             "the preview shows what the camera sees to whoever uses this machine, so it is off unless it is asked for");
+        restore(loaded, "display.kind");
     }
     if (settings.zone.nearMetres >= settings.zone.farMetres) {
         refuse(loaded, "zone.near_m", "the zone ends before it begins", "make zone.near_m less than zone.far_m",
                "nobody could stand in it");
+        restore(loaded, "zone.near_m");
+        restore(loaded, "zone.far_m");
     }
+    const std::size_t before = loaded.problems.size();
     checkOutfits(loaded);
+    if (loaded.problems.size() != before) {
+        restore(loaded, "wardrobe.garments");
+        restore(loaded, "wardrobe.outfits");
+        restore(loaded, "wardrobe.start_outfit");
+    }
+}
+
+/// Checks what was read as a whole. Where values were refused already, what follows from that is put right without a
+/// word.
+void settle(LoadedSettings& loaded) {
+    if (loaded.good()) {
+        checkTogether(loaded);
+        return;
+    }
+    LoadedSettings quiet = loaded;
+    quiet.problems.clear();
+    checkTogether(quiet);
+    loaded.settings = std::move(quiet.settings);
 }
 
 std::string indented(std::string_view sentence) {
@@ -162,7 +190,7 @@ LoadedSettings loadSettings(const LoadOptions& options) {
                                      .file = options.folder});
         }
     }
-    if (loaded.good()) checkTogether(loaded);
+    settle(loaded);
     return loaded;
 }
 
@@ -174,7 +202,7 @@ LoadedSettings loadSettingsText(std::string_view text, const std::string& name) 
     }
     loaded.files.push_back(name);
     readToml(text, name, loaded);
-    if (loaded.good()) checkTogether(loaded);
+    settle(loaded);
     return loaded;
 }
 

@@ -35,8 +35,8 @@ struct SettingOrigin {
     int line = 0;
 };
 
-/// What a load came to. With problems, `settings` is what could be understood and must not be used: keep the last good
-/// ones.
+/// What a load came to. With problems, `settings` is what could be understood, each refused value at its default and
+/// all of them fit to be used together: whoever has last good settings keeps those; whoever starts has nothing better.
 struct LoadedSettings {
     Settings settings;
     std::vector<Error> problems;         ///< Each with cause, mend and why; file, line and key where they apply.

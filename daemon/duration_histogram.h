@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -29,7 +30,8 @@ class DurationHistogram {
     [[nodiscard]] hal::Duration mean() const { return toDuration(count_ == 0 ? 0 : sum_ / count_); }
     /// The least duration that a share of 0…1 of all does not exceed, to the bucket's upper end; zero when empty.
     [[nodiscard]] hal::Duration percentile(double share) const {
-        const auto rank = static_cast<std::uint64_t>(std::clamp(share, 0.0, 1.0) * static_cast<double>(count_));
+        const auto rank =
+            static_cast<std::uint64_t>(std::ceil(std::clamp(share, 0.0, 1.0) * static_cast<double>(count_)));
         std::uint64_t seen = 0;
         for (std::size_t i = 0; i < buckets_.size(); ++i) {
             seen += buckets_[i];

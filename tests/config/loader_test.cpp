@@ -195,6 +195,18 @@ TEST(Loader, reportsEveryProblemUpToABound) {
     EXPECT_EQ(loadSettingsText(many, "a.toml").problems.size(), kMaximumProblems);
 }
 
+TEST(Loader, keepsWhatItUnderstoodFitToBeUsedTogether) {
+    const LoadedSettings loaded = loadSettingsText(
+        "[preview]\nenabled = true\n[display]\nkind = \"preview\"\nwidth = 1\n[zone]\nnear_m = 5.0\nfar_m = 1.0\n"
+        "[wardrobe]\ngarments = [\"coat\"]\n",
+        "a.toml");
+    ASSERT_EQ(loaded.problems.size(), 1U);
+    EXPECT_EQ(loaded.settings.display.kind, DisplayKind::preview);
+    EXPECT_EQ(loaded.settings.display.width, 1080);
+    EXPECT_LT(loaded.settings.zone.nearMetres, loaded.settings.zone.farMetres);
+    EXPECT_EQ(loaded.settings.wardrobe.garments, defaultSettings().wardrobe.garments);
+}
+
 TEST(Loader, acceptsWholeNumbersWhereNumbersAreMeant) {
     const LoadedSettings loaded = loadSettingsText("sensor.height_mm = 1400\n[loop]\nfps = 15\n", "a.toml");
     ASSERT_TRUE(loaded.good());

@@ -1,0 +1,169 @@
+// For technicians and merchandisers.
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "config/loader.h"
+#include "config/settings_table.h"
+#include "daemon/log.h"
+#include "daemon/replay_run.h"
+
+namespace {
+
+using namespace cheval;
+using daemon::Severity;
+
+constexpr int kGood = 0;
+constexpr int kFailed = 1;
+constexpr int kUsage = 2;
+constexpr int kBadSettings = 3;
+
+constexpr const char* kFooter =
+    "Exit status: 0 all went well; 1 it could not be done; 2 the command line is wrong; 3 the settings are refused.";
+
+struct ReplayArguments {
+    daemon::ReplayRunOptions options;
+    std::string view = "mirror";
+    std::string speed = "max";
+    std::string size;
+};
+
+void printProblems(const config::LoadedSettings& loaded) {
+    for (const Error& problem : loaded.problems)
+        daemon::log(Severity::error, problem.message());
+}
+
+int showConfig(const config::LoadOptions& options, bool defaults) {
+    if (defaults) {
+        fmt::print("{}", config::describeSettings(config::defaultSettings(), {}));
+        return kGood;
+    }
+    const config::LoadedSettings loaded = config::loadSettings(options);
+    fmt::print("{}", config::describeSettings(loaded.settings, loaded.origins));
+    printProblems(loaded);
+    return loaded.good() ? kGood : kBadSettings;
+}
+
+int checkConfig(const config::LoadOptions& options) {
+    const config::LoadedSettings loaded = config::loadSettings(options);
+    for (const std::string& file : loaded.files)
+        fmt::print("read {}\n", file);
+    printProblems(loaded);
+    if (loaded.good()) fmt::print("the settings are good\n");
+    return loaded.good() ? kGood : kBadSettings;
+}
+
+/// "1080x1920" into the display's settings; false when it is no size.
+bool applySize(const std::string& size, config::Settings& settings) {
+    if (size.empty()) return true;
+    int width = 0;
+    int height = 0;
+    char extra = 0;
+    if (std::sscanf(size.c_str(), "%dx%d%c", &width, &height, &extra) != 2) return false;  // NOLINT(cert-err34-c)
+    for (const config::Setting& setting : config::settingsTable()) {
+        const int value = setting.path == "display.width" ? width : height;
+        if (setting.path != "display.width" && setting.path != "display.height") continue;
+        if (value < setting.low || value > setting.high) return false;
+        setting.set(settings, std::int64_t{value});
+    }
+    return true;
+}
+
+int replay(const config::LoadOptions& where, ReplayArguments& arguments) {
+    config::LoadedSettings loaded = config::loadSettings(where);
+    printProblems(loaded);
+    if (!loaded.good()) return kBadSettings;
+    if (!applySize(arguments.size, loaded.settings)) {
+        daemon::log(Severity::error, "--size: \"" + arguments.size + "\" is no size. Mend: write it like 1080x1920.");
+        return kUsage;
+    }
+    arguments.options.avatarView = arguments.view == "avatar";
+    arguments.options.realTime = arguments.speed == "real";
+    const Expected<daemon::ReplayReport> report = daemon::replayRecording(loaded.settings, arguments.options);
+    if (!report) {
+        daemon::log(Severity::error, report.error().message());
+        return kFailed;
+    }
+    for (const std::string& warning : report->warnings)
+        daemon::log(Severity::warning, warning);
+    fmt::print("{} frames: a person in {}, dressed in {}, {} pictures written{}{}\n", report->frames, report->seen,
+               report->dressed, report->pictures, report->renderer.empty() ? "" : ", drawn with ", report->renderer);
+    fmt::print("{:<12}{:>10}{:>10}{:>10}{:>10}{:>10}{:>8}\n", "task", "budget", "mean", "p99", "max", "overruns",
+               "runs");
+    for (const daemon::TaskStatistics& row : report->tasks) {
+        if (row.runs == 0) continue;
+        fmt::print("{:<12}{:>7.2f} ms{:>7.2f} ms{:>7.2f} ms{:>7.2f} ms{:>10}{:>8}\n", row.name,
+                   hal::seconds(row.budget) * 1e3, hal::seconds(row.mean) * 1e3, hal::seconds(row.p99) * 1e3,
+                   hal::seconds(row.maximum) * 1e3, row.overruns, row.runs);
+    }
+    return kGood;
+}
+
+int run(int argc, char** argv) {
+    CLI::App app{"Looks after a fitting mirror."};
+    app.footer(kFooter);
+    app.require_subcommand(1);
+    app.set_version_flag("--version", "chevalctl " CHEVAL_VERSION);
+    std::string folder;
+    app.add_option("--config", folder, "Folder with cheval.toml and cheval.toml.d/*.toml (default: /etc/cheval)");
+
+    auto* configCommand = app.add_subcommand("config", "The settings")->require_subcommand(1)->fallthrough();
+    auto* show =
+        configCommand
+            ->add_subcommand("show", "Print every setting with its sentence, range, value and where it came from")
+            ->fallthrough();
+    bool defaults = false;
+    show->add_flag("--defaults", defaults, "Print the defaults instead, as the shipped cheval.toml");
+    auto* check = configCommand->add_subcommand("check", "Check the settings")->fallthrough();
+
+    ReplayArguments arguments;
+    auto* replayCommand =
+        app.add_subcommand("replay", "Play a recording through the mirror's own pipeline")->fallthrough();
+    replayCommand->add_option("source", arguments.options.source, "Folder of 16-bit depth PNGs with a sensor.json")
+        ->required();
+    replayCommand->add_option("--tracks", arguments.options.tracks,
+                              "Write joints, hands, measurements and events as JSON lines");
+    replayCommand->add_option("--frames", arguments.options.frames,
+                              "Write what the mirror shows as PNG files into this folder");
+    replayCommand->add_option("--outfit", arguments.options.outfit, "Garments to wear, e.g. tshirt,trousers");
+    replayCommand->add_option("--view", arguments.view, "What is drawn: mirror or avatar")
+        ->check(CLI::IsMember({"mirror", "avatar"}))
+        ->capture_default_str();
+    replayCommand->add_option("--speed", arguments.speed, "As fast as it goes (max) or at the recording's pace (real)")
+        ->check(CLI::IsMember({"max", "real"}))
+        ->capture_default_str();
+    replayCommand->add_option("--every", arguments.options.every, "Draw every n-th frame only")
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
+    replayCommand->add_option("--size", arguments.size,
+                              "Size of the pictures, e.g. 540x960 (default: display.width x display.height)");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? kGood : kUsage;
+    }
+    config::LoadOptions options;
+    if (!folder.empty()) {
+        options.folder = folder;
+        options.folderRequired = true;
+    }
+    if (show->parsed()) return showConfig(options, defaults);
+    if (check->parsed()) return checkConfig(options);
+    return replay(options, arguments);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const std::exception& fault) {
+        std::fputs("error: ", stderr);
+        std::fputs(fault.what(), stderr);
+        std::fputc('\n', stderr);
+        return kFailed;
+    }
+}

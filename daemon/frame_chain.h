@@ -1,0 +1,117 @@
+// The tasks of a frame, in order: track, hands, body, session, layering on change, animate, hand over (DESIGN §5). It
+// owns the fitting rooms and ties them together; it computes nothing itself.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "daemon/frame_packet.h"
+#include "daemon/scheduler.h"
+#include "daemon/session.h"
+#include "daemon/wardrobe.h"
+#include "fitting/animation/animator.h"
+#include "fitting/body/body_estimator.h"
+#include "fitting/layering/outfit_fitter.h"
+#include "fitting/tracking/tracker.h"
+#include "hal/buttons.h"
+#include "hal/depth_camera.h"
+#include "render/mirror_mapping.h"
+
+namespace cheval::daemon {
+
+struct FrameChainOptions {
+    fitting::TrackerOptions tracker;
+    fitting::BodyEstimatorOptions estimator;
+    fitting::AnimatorOptions animator;
+    SessionOptions session;
+    SchedulerOptions scheduler;
+    int displayWidth = 1080;  ///< Where hand cursors go.
+    int displayHeight = 1920;
+    bool rotated = false;  ///< As render::RendererOptions::rotated.
+};
+
+/// What one turn of the loop works on. All borrowed for the time of process().
+struct ChainInput {
+    const hal::DepthFrame* frame = nullptr;  ///< Null: none came in time.
+    hal::TimePoint time{};                   ///< The frame's capture time, or now.
+    hal::TimePoint started{};                ///< Admission clock: when the frame's time began to run.
+    std::span<hal::Buttons* const> buttons;
+    std::string_view fault;   ///< Why there are no frames.
+    std::string_view notice;  ///< For the service screen.
+    float renderScale = 1.0F;
+};
+
+/// Thread-bound. After construction and reserve() process() takes no heap memory. Borrows the wardrobe and the clocks.
+class FrameChain {
+  public:
+    static Expected<std::unique_ptr<FrameChain>> create(const Wardrobe& wardrobe, const FrameChainOptions& options,
+                                                        const hal::Clock& admission, const hal::Clock& cost);
+    ~FrameChain();
+    FrameChain(const FrameChain&) = delete;
+    FrameChain& operator=(const FrameChain&) = delete;
+
+    /// Gives a packet the memory that any frame of this size will need, and the carousel's names.
+    void reserve(FramePacket& packet, int width, int height, bool colour) const;
+    /// A camera was opened: starts tracking anew with its mount. Takes memory.
+    void cameraOpened(const fitting::TrackerOptions& options);
+    /// Runs the tasks and fills `packet`. Returns what it took, by the cost clock.
+    hal::Duration process(const ChainInput& input, FramePacket& packet);
+    void setFramePeriod(hal::Duration period) { scheduler_.setFramePeriod(period); }
+
+    /// Results of the last process().
+    [[nodiscard]] const Session& session() const { return session_; }
+    [[nodiscard]] Session& session() { return session_; }
+    [[nodiscard]] const fitting::Tracker& tracker() const { return *tracker_; }
+    /// Gestures of the last frame are in it only if the hands were read in that frame.
+    [[nodiscard]] const fitting::Hands& hands() const { return hands_; }
+    /// Null without a mannequin.
+    [[nodiscard]] const fitting::Measurements* measurements() const;
+    [[nodiscard]] const Scheduler& scheduler() const { return scheduler_; }
+
+    /// The task table, for documents and tests.
+    static std::span<const Task> tasks();
+
+  private:
+    struct Tasks;
+    FrameChain(const Wardrobe& wardrobe, const FrameChainOptions& options, Scheduler scheduler);
+
+    void pollButtons();
+    void updateSession();
+    void fitOutfit();
+    void handOver();
+    [[nodiscard]] fitting::Outfit chosen() const;
+    [[nodiscard]] bool outfitChanged() const;
+    [[nodiscard]] bool somebody() const;
+
+    const Wardrobe& wardrobe_;
+    Scheduler scheduler_;
+    Session session_;
+    std::unique_ptr<fitting::Tracker> tracker_;
+    std::unique_ptr<fitting::BodyEstimator> estimator_;
+    std::unique_ptr<fitting::OutfitFitter> fitter_;
+    std::unique_ptr<fitting::Animator> animator_;
+    fitting::ShapedBody shaped_;
+    fitting::BodyShape fittedShape_;
+    fitting::Outfit fittedOutfit_;
+    fitting::Hands hands_;
+    /// The same crop as the renderer's, so that a cursor lies on its hand.
+    render::CropFollower crop_;
+    render::MirrorMapping mapping_;
+    int displayWidth_;
+    int displayHeight_;
+    bool rotated_;
+
+    static constexpr std::size_t kMaximumEvents = 64;
+    std::array<hal::ButtonEvent, kMaximumEvents> events_{};
+    std::size_t eventCount_ = 0;
+    // The frame in work.
+    const ChainInput* input_ = nullptr;
+    FramePacket* packet_ = nullptr;
+};
+
+}  // namespace cheval::daemon

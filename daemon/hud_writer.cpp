@@ -1,0 +1,103 @@
+#include "daemon/hud_writer.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <string>
+
+namespace cheval::daemon {
+
+namespace {
+
+/// Joins two texts with a blank line's worth of space into fixed memory.
+template <std::size_t Capacity>
+void join(std::string_view first, std::string_view second, render::FixedText<Capacity>& text) {
+    static constexpr std::string_view kBetween = "  |  ";
+    std::array<char, Capacity> bytes{};
+    std::size_t length = 0;
+    const auto append = [&bytes, &length](std::string_view part) {
+        const std::size_t count = std::min(part.size(), Capacity - length);
+        std::copy_n(part.begin(), count, bytes.begin() + static_cast<std::ptrdiff_t>(length));
+        length += count;
+    };
+    append(first);
+    if (!first.empty() && !second.empty()) append(kBetween);
+    append(second);
+    text.assign({bytes.data(), length});
+}
+
+render::HandCursor cursorOf(const fitting::Hand& hand, const HudSources& sources) {
+    render::HandCursor cursor{.state = hand.state};
+    const Eigen::Vector3f sensor = sources.placement->toSensor(hand.position);
+    if (!hand.raised || !(sensor.z() > 0.0F)) return cursor;
+    const Eigen::Vector2f pixel = fitting::project(sources.intrinsics, sensor);
+    const Eigen::Vector3f display = sources.mapping->displayFromSensor() * Eigen::Vector3f(pixel.x(), pixel.y(), 1.0F);
+    cursor.position = {display.x() / static_cast<float>(sources.displayWidth),
+                       display.y() / static_cast<float>(sources.displayHeight)};
+    cursor.visible = (cursor.position.array() >= 0.0F).all() && (cursor.position.array() <= 1.0F).all();
+    return cursor;
+}
+
+render::Screen screenOf(const HudSources& sources) {
+    if (sources.session->serviceScreen() || !sources.fault.empty()) return render::Screen::service;
+    switch (sources.session->state()) {
+        case SessionState::idle:
+            return render::Screen::attract;
+        case SessionState::approaching:
+        case SessionState::acquiring:
+        case SessionState::leaving:
+            return render::Screen::acquiring;
+        case SessionState::wearing:
+            return render::Screen::wearing;
+    }
+    return render::Screen::attract;
+}
+
+std::string_view promptOf(SessionState state) {
+    switch (state) {
+        case SessionState::idle:
+            return "Step up and try something on";
+        case SessionState::approaching:
+            return "Welcome! Come a little closer";
+        case SessionState::acquiring:
+            return "Face the mirror, arms a little away from your body";
+        case SessionState::wearing:
+            return "Swipe with a hand to change";
+        case SessionState::leaving:
+            return "Step back into the picture to go on";
+    }
+    return "";
+}
+
+}  // namespace
+
+std::string serviceText(const Error& error) {
+    std::string text =
+        error.file.empty() ? "" : error.file + (error.line > 0 ? ":" + std::to_string(error.line) : "") + ": ";
+    if (!error.key.empty()) text += error.key + ": ";
+    text += error.cause;
+    if (!error.mend.empty()) text += ". Mend: " + error.mend;
+    return text;
+}
+
+void writeCarousel(const Wardrobe& wardrobe, render::HudState& hud) {
+    hud.carouselCount = std::min(wardrobe.outfits.size(), render::kMaximumCarousel);
+    for (std::size_t i = 0; i < hud.carouselCount; ++i)
+        hud.carousel[i].name.assign(wardrobe.outfits[i].name);
+}
+
+void writeHud(const HudSources& sources, render::HudState& hud) {
+    hud.screen = screenOf(sources);
+    hud.carouselSelected = sources.session->outfit();
+    hud.prompt.assign(promptOf(sources.session->state()));
+    hud.advice.assign("");
+    join(sources.fault, sources.notice, hud.service);
+    if (hud.service.length == 0) hud.service.assign("All is well.");
+    for (std::size_t side = 0; side < fitting::kSideCount; ++side) {
+        hud.cursors[side] = {};
+        if (sources.session->dressed() && sources.hands != nullptr && sources.mapping != nullptr)
+            hud.cursors[side] = cursorOf(sources.hands->hands[side], sources);
+    }
+}
+
+}  // namespace cheval::daemon

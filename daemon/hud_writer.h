@@ -1,0 +1,40 @@
+// Says on the screen what the session is about.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "daemon/session.h"
+#include "daemon/wardrobe.h"
+#include "fitting/hands.h"
+#include "fitting/skeleton.h"
+#include "hal/expected.h"
+#include "hal/frame.h"
+#include "render/hud_state.h"
+#include "render/mirror_mapping.h"
+
+namespace cheval::daemon {
+
+/// What the head-up display is made from; all borrowed.
+struct HudSources {
+    const Session* session = nullptr;
+    const Wardrobe* wardrobe = nullptr;
+    const fitting::Hands* hands = nullptr;
+    const fitting::SensorPlacement* placement = nullptr;
+    hal::Intrinsics intrinsics;
+    const render::MirrorMapping* mapping = nullptr;  ///< From the sensor's picture to the display.
+    int displayWidth = 1080;
+    int displayHeight = 1920;
+    std::string_view fault;   ///< Why there are no frames; empty: there are.
+    std::string_view notice;  ///< What a technician should know besides (refused settings, refused garments).
+};
+
+/// "cause. Mend: …", cut to what a service screen holds.
+std::string serviceText(const Error& error);
+
+/// The carousel's names; needed once, and again when the wardrobe changes.
+void writeCarousel(const Wardrobe& wardrobe, render::HudState& hud);
+/// Everything else, each frame. Takes no heap memory.
+void writeHud(const HudSources& sources, render::HudState& hud);
+
+}  // namespace cheval::daemon

@@ -1,0 +1,268 @@
+#include "daemon/mirror.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "daemon/hud_writer.h"
+#include "daemon/log.h"
+#include "daemon/room_options.h"
+
+namespace cheval::daemon {
+
+namespace {
+
+using std::chrono::milliseconds;
+
+/// Without a new packet for this long the renderer shows the last one again: a display that goes to sleep is a dark
+/// one.
+constexpr hal::Duration kRedrawAfter = milliseconds(250);
+
+FrameChainOptions chainOptions(const config::Settings& settings, const Wardrobe& wardrobe,
+                               const hal::DisplayMode& mode) {
+    return {.tracker = trackerOptions(settings, {}),
+            .session = sessionOptions(settings, wardrobe),
+            .scheduler = schedulerOptions(settings),
+            .displayWidth = mode.width,
+            .displayHeight = mode.height,
+            .rotated = rendererOptions(settings, mode).rotated};
+}
+
+CameraSupervisorOptions supervisorOptions(const config::Settings& settings) {
+    return {.lostAfter = milliseconds(settings.sensor.lostAfterMs)};
+}
+
+std::size_t copyRows(const Scheduler& scheduler, std::span<TaskStatistics> rows) {
+    const std::size_t count = scheduler.taskCount();
+    for (std::size_t i = 0; i < count; ++i)
+        rows[i] = scheduler.statistics(i);
+    rows[count] = scheduler.frameStatistics();
+    return count + 1;
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<Mirror>> Mirror::create(const config::Settings& settings, MirrorParts parts) {
+    std::unique_ptr<Mirror> mirror(new Mirror(settings, std::move(parts)));
+    Expected<std::unique_ptr<FrameChain>> chain = FrameChain::create(
+        *mirror->parts_.wardrobe, chainOptions(settings, *mirror->parts_.wardrobe, mirror->parts_.mode),
+        *mirror->parts_.admission, *mirror->parts_.cost);
+    if (!chain) return std::move(chain).error();
+    mirror->chain_ = std::move(*chain);
+    const hal::Intrinsics usual;
+    mirror->packets_.forEachSlot(
+        [&](FramePacket& packet) { mirror->chain_->reserve(packet, usual.width, usual.height, true); });
+    return mirror;
+}
+
+Mirror::Mirror(const config::Settings& settings, MirrorParts parts)
+    : settings_(settings),
+      parts_(std::move(parts)),
+      supervisor_(parts_.camera, supervisorOptions(settings), *parts_.clock),
+      ladder_(ladderOptions(settings)),
+      basePeriod_(schedulerOptions(settings).framePeriod) {
+    if (parts_.admission == nullptr) parts_.admission = parts_.clock;
+    if (parts_.runToTheEnd) ladder_ = DegradeLadder({.enabled = false});
+    faultText_.reserve(512);
+}
+
+Mirror::~Mirror() {
+    stop();
+}
+
+Expected<void> Mirror::makePictures() {
+    Expected<std::unique_ptr<PictureMaker>> made =
+        PictureMaker::create({.renderer = rendererOptions(settings_, parts_.mode),
+                              .scheduler = schedulerOptions(settings_),
+                              .observer = parts_.observer},
+                             parts_.wardrobe->materials, *parts_.display, *parts_.cost);
+    if (!made) return std::move(made).error();
+    pictures_ = std::move(*made);
+    const std::lock_guard lock(shared_);
+    description_ = pictures_->description();
+    return {};
+}
+
+CameraNext Mirror::takeFrame() {
+    const CameraNext next = supervisor_.next(frame_);
+    if (supervisor_.openings() != openingsSeen_) {
+        openingsSeen_ = supervisor_.openings();
+        chain_->cameraOpened(trackerOptions(settings_, supervisor_.info().mount));
+        if (!parts_.runToTheEnd) log(Severity::notice, "camera: " + supervisor_.info().name);
+    }
+    if (supervisor_.fault().has_value() != faulty_) {
+        faulty_ = supervisor_.fault().has_value();
+        faultText_ = faulty_ ? serviceText(*supervisor_.fault()) : "";
+        if (faulty_ && !parts_.runToTheEnd) log(Severity::warning, supervisor_.fault()->message());
+    }
+    return next;
+}
+
+bool Mirror::tooSoon(const hal::DepthFrame& frame) {
+    // On a lower rung frames are left out, evenly, by their own times; half a period of grace absorbs their jitter.
+    const double share = ladder_.rung().rateShare;
+    if (share >= 1.0 || frame.restart) return false;
+    const hal::Duration period = hal::fromSeconds(hal::seconds(basePeriod_) / share);
+    if (frame.captureTime + basePeriod_ / 2 < nextDue_) return true;
+    nextDue_ = std::max(nextDue_ + period, frame.captureTime + period / 2);
+    return false;
+}
+
+void Mirror::turn(bool haveFrame, FramePacket& packet) {
+    const hal::TimePoint now = parts_.clock->now();
+    render::FixedText<256> notice;
+    {
+        const std::lock_guard lock(shared_);
+        notice = notice_;
+    }
+    const hal::Duration taken = chain_->process({.frame = haveFrame ? &frame_ : nullptr,
+                                                 .time = haveFrame ? frame_.captureTime : now,
+                                                 .started = parts_.admission->now(),
+                                                 .buttons = parts_.buttons,
+                                                 .fault = faultText_,
+                                                 .notice = notice.view(),
+                                                 .renderScale = ladder_.rung().renderScale},
+                                                packet);
+    afterLoop(taken, haveFrame);
+}
+
+void Mirror::afterLoop(hal::Duration taken, bool haveFrame) {
+    if (haveFrame) {
+        const hal::Duration slower = std::max(taken, hal::Duration(renderTime_.load(std::memory_order_relaxed)));
+        if (ladder_.update(hal::seconds(slower) / hal::seconds(chain_->scheduler().framePeriod()))) {
+            chain_->setFramePeriod(hal::fromSeconds(hal::seconds(basePeriod_) / ladder_.rung().rateShare));
+        }
+    }
+    const std::lock_guard lock(shared_);
+    const Session& session = chain_->session();
+    status_.state = session.state();
+    status_.outfit.assign(
+        session.outfit() < parts_.wardrobe->outfits.size() ? parts_.wardrobe->outfits[session.outfit()].name : "");
+    status_.camera = supervisor_.state();
+    status_.fault.assign(faultText_);
+    status_.avatarView = session.avatarView();
+    status_.visits = session.visits();
+    status_.loopTime = taken;
+    status_.degradeLevel = ladder_.level();
+    status_.degradeName = ladder_.rung().name;
+    if (haveFrame) ++status_.frames;
+    loopRowCount_ = copyRows(chain_->scheduler(), loopRows_);
+}
+
+void Mirror::afterPicture(const Expected<hal::Duration>& shown) {
+    if (!shown) return;
+    renderTime_.store(shown.value().count(), std::memory_order_relaxed);
+    const hal::TimePoint now = parts_.cost->now();
+    const double gap = hal::seconds(now - lastRate_);
+    lastRate_ = now;
+    // A tenth of each new reading: quick enough to follow, steady enough to read.
+    if (gap > 0.0) rate_ = picturesShown_ == 0 ? 0.0 : rate_ + 0.1 * (1.0 / gap - rate_);
+    const std::lock_guard lock(shared_);
+    status_.renderTime = shown.value();
+    status_.pictures = ++picturesShown_;
+    status_.framesPerSecond = rate_;
+    renderRowCount_ = copyRows(pictures_->scheduler(), renderRows_);
+}
+
+Expected<StepResult> Mirror::step(const std::function<bool(const hal::DepthFrame&)>& draw) {
+    const CameraNext next = takeFrame();
+    if (next == CameraNext::stopped) return StepResult::stopped;
+    const bool haveFrame = next == CameraNext::frame;
+    if (haveFrame && tooSoon(frame_)) return StepResult::frame;
+    FramePacket& packet = packets_.back();
+    turn(haveFrame, packet);
+    if (haveFrame ? !draw || draw(frame_) : !parts_.runToTheEnd) {
+        if (pictures_ == nullptr) {
+            Expected<void> made = makePictures();
+            if (!made) return std::move(made).error();
+        }
+        packets_.publish();
+        packets_.take();
+        Expected<hal::Duration> shown = pictures_->show(packets_.front());
+        if (!shown) return std::move(shown).error();
+        afterPicture(shown);
+    }
+    if (haveFrame) return StepResult::frame;
+    return supervisor_.state() == CameraState::ended ? StepResult::ended : StepResult::none;
+}
+
+void Mirror::runLoop() {
+    while (!stopping_.load(std::memory_order_acquire)) {
+        const CameraNext next = takeFrame();
+        if (next == CameraNext::stopped) break;
+        const bool haveFrame = next == CameraNext::frame;
+        if (haveFrame && tooSoon(frame_)) continue;
+        turn(haveFrame, packets_.back());
+        packets_.publish();
+        packetReady_.raise();
+    }
+}
+
+void Mirror::runRenderer(std::promise<Expected<void>>& standing) {
+    Expected<void> made = makePictures();
+    const bool good = made.hasValue();
+    standing.set_value(std::move(made));
+    if (!good) return;
+    bool failing = false;
+    while (!stopping_.load(std::memory_order_acquire)) {
+        packetReady_.clear();
+        if (!packets_.take()) {
+            parts_.clock->waitUntil(parts_.clock->now() + kRedrawAfter, packetReady_);
+            if (stopping_.load(std::memory_order_acquire)) break;
+            packets_.take();
+        }
+        const Expected<hal::Duration> shown = pictures_->show(packets_.front());
+        // Told when it begins and when it is over, not thirty times a second.
+        if (!shown && !failing) log(Severity::error, shown.error().message());
+        failing = !shown;
+        afterPicture(shown);
+    }
+    // The context belongs to this thread.
+    pictures_.reset();
+}
+
+Expected<void> Mirror::start() {
+    std::promise<Expected<void>> standing;
+    std::future<Expected<void>> stands = standing.get_future();
+    renderThread_ = std::thread([this, &standing] { runRenderer(standing); });
+    Expected<void> made = stands.get();
+    if (!made) {
+        renderThread_.join();
+        return made;
+    }
+    loopThread_ = std::thread([this] { runLoop(); });
+    return {};
+}
+
+void Mirror::stop() {
+    stopping_.store(true, std::memory_order_release);
+    supervisor_.stop();
+    packetReady_.raise();
+    if (loopThread_.joinable()) loopThread_.join();
+    // The loop's last packet may have been published after the first raise.
+    packetReady_.raise();
+    if (renderThread_.joinable()) renderThread_.join();
+}
+
+void Mirror::setNotice(std::string_view notice) {
+    const std::lock_guard lock(shared_);
+    notice_.assign(notice);
+}
+
+MirrorStatus Mirror::status() const {
+    const std::lock_guard lock(shared_);
+    return status_;
+}
+
+std::vector<TaskStatistics> Mirror::statistics() const {
+    const std::lock_guard lock(shared_);
+    std::vector<TaskStatistics> rows(loopRows_.begin(), loopRows_.begin() + static_cast<std::ptrdiff_t>(loopRowCount_));
+    rows.insert(rows.end(), renderRows_.begin(), renderRows_.begin() + static_cast<std::ptrdiff_t>(renderRowCount_));
+    return rows;
+}
+
+std::string Mirror::rendererDescription() const {
+    const std::lock_guard lock(shared_);
+    return description_;
+}
+
+}  // namespace cheval::daemon

@@ -1,0 +1,143 @@
+// The mirror: camera, frame chain, renderer and display, tied together. Either one turn after another in the caller's
+// thread (replay, simulation, tests: deterministic), or as two threads in a pipeline one frame deep (the product).
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "config/settings.h"
+#include "daemon/camera_supervisor.h"
+#include "daemon/degrade_ladder.h"
+#include "daemon/frame_chain.h"
+#include "daemon/frame_packet.h"
+#include "daemon/picture_maker.h"
+#include "daemon/triple_buffer.h"
+#include "daemon/wardrobe.h"
+#include "hal/buttons.h"
+#include "hal/display.h"
+
+namespace cheval::daemon {
+
+/// What the mirror works with. Everything borrowed outlives it.
+struct MirrorParts {
+    CameraFactory camera;
+    std::vector<hal::Buttons*> buttons;
+    hal::Display* display = nullptr;  ///< Open.
+    hal::DisplayMode mode;            ///< As the display said when it was opened.
+    hal::Clock* clock = nullptr;      ///< Drives frames and dwell times.
+    /// Decides what still fits into a frame; null: `clock`. One that stands still sheds nothing.
+    const hal::Clock* admission = nullptr;
+    const hal::Clock* cost = nullptr;  ///< Measures what tasks take.
+    const Wardrobe* wardrobe = nullptr;
+    PictureObserver observer;  ///< May be empty.
+    bool runToTheEnd = false;  ///< Replay: the degrade ladder stays at the top and no frame is left out.
+};
+
+/// For a status line; plain values of fixed size.
+struct MirrorStatus {
+    SessionState state = SessionState::idle;
+    render::FixedText<96> outfit;
+    CameraState camera = CameraState::closed;
+    render::FixedText<256> fault;
+    bool avatarView = false;
+    double framesPerSecond = 0.0;
+    hal::Duration loopTime{};    ///< Of the last frame.
+    hal::Duration renderTime{};  ///< Of the last picture.
+    std::size_t degradeLevel = 0;
+    std::string_view degradeName;
+    std::uint64_t frames = 0;
+    std::uint64_t pictures = 0;
+    std::uint64_t visits = 0;
+};
+
+enum class StepResult : std::uint8_t {
+    frame,    ///< A frame went through the chain.
+    none,     ///< None came in time; session and screen moved on all the same.
+    ended,    ///< The recording is over.
+    stopped,  ///< stop() was called.
+};
+
+/// Thread-bound, but for stop(), status() and setNotice(), which any thread may call.
+class Mirror {
+  public:
+    static Expected<std::unique_ptr<Mirror>> create(const config::Settings& settings, MirrorParts parts);
+    ~Mirror();
+    Mirror(const Mirror&) = delete;
+    Mirror& operator=(const Mirror&) = delete;
+
+    /// One turn in the caller's thread. `draw` decides, frame by frame, whether a picture is made of it (empty:
+    /// always); a turn without a frame is drawn always. The first call makes the renderer.
+    Expected<StepResult> step(const std::function<bool(const hal::DepthFrame&)>& draw = {});
+    /// The frame that the last step() took in; its views are valid until the next step.
+    [[nodiscard]] const hal::DepthFrame& frame() const { return frame_; }
+    [[nodiscard]] const FrameChain& chain() const { return *chain_; }
+    [[nodiscard]] FrameChain& chain() { return *chain_; }
+    [[nodiscard]] const CameraSupervisor& camera() const { return supervisor_; }
+
+    /// Starts both threads; returns when the renderer stands, or why it cannot.
+    Expected<void> start();
+    /// Ends both threads within about a quarter of a second; safe at any time, also from another thread's signal wait.
+    void stop();
+    /// A message for technicians on the service screen: refused settings, refused garments. Empty takes it away.
+    void setNotice(std::string_view notice);
+
+    [[nodiscard]] MirrorStatus status() const;
+    /// Rows of both threads, loop first, then the renderer; each with its whole frame as the last row.
+    [[nodiscard]] std::vector<TaskStatistics> statistics() const;
+    /// The GL context in words; empty before it stands.
+    [[nodiscard]] std::string rendererDescription() const;
+
+  private:
+    Mirror(const config::Settings& settings, MirrorParts parts);
+
+    Expected<void> makePictures();
+    CameraNext takeFrame();
+    void turn(bool haveFrame, FramePacket& packet);
+    void afterLoop(hal::Duration taken, bool haveFrame);
+    void afterPicture(const Expected<hal::Duration>& shown);
+    void runLoop();
+    void runRenderer(std::promise<Expected<void>>& standing);
+    [[nodiscard]] bool tooSoon(const hal::DepthFrame& frame);
+
+    config::Settings settings_;
+    MirrorParts parts_;
+    CameraSupervisor supervisor_;
+    std::unique_ptr<FrameChain> chain_;
+    std::unique_ptr<PictureMaker> pictures_;
+    DegradeLadder ladder_;
+    hal::DepthFrame frame_;
+    std::uint64_t openingsSeen_ = 0;
+    hal::TimePoint nextDue_{};
+    hal::Duration basePeriod_{};
+
+    TripleBuffer<FramePacket> packets_;
+    hal::Interrupt packetReady_;
+    std::atomic<bool> stopping_{false};
+    std::thread loopThread_;
+    std::thread renderThread_;
+
+    std::atomic<hal::Duration::rep> renderTime_{0};
+    std::atomic<std::uint64_t> picturesShown_{0};
+    std::string faultText_;  ///< Loop thread's; rebuilt only when the fault changes.
+    bool faulty_ = false;
+    double rate_ = 0.0;
+    hal::TimePoint lastRate_{};
+
+    mutable std::mutex shared_;  ///< Guards the members below; held for a copy of plain values only.
+    MirrorStatus status_;
+    std::array<TaskStatistics, kMaximumTasks + 1> loopRows_{};
+    std::array<TaskStatistics, kMaximumTasks + 1> renderRows_{};
+    std::size_t loopRowCount_ = 0;
+    std::size_t renderRowCount_ = 0;
+    render::FixedText<256> notice_;
+    std::string description_;
+};
+
+}  // namespace cheval::daemon

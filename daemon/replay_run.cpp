@@ -1,0 +1,157 @@
+#include "daemon/replay_run.h"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "daemon/devices.h"
+#include "daemon/mirror.h"
+#include "daemon/room_options.h"
+#include "daemon/tracks_writer.h"
+#include "hal/png/png.h"
+#include "hal/replay/replay_camera.h"
+
+namespace cheval::daemon {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Expected<void> checkSource(const std::string& source) {
+    if (!fs::path(source).extension().string().starts_with(".oni")) return {};
+    return Error{.code = ErrorCode::invalidInput,
+                 .cause = "this build plays folders; .oni needs cheval-sensor",
+                 .mend = "turn the recording into a folder of 16-bit PNGs with a sensor.json",
+                 .why = "OpenNI2 is linked into cheval-sensor alone",
+                 .file = source};
+}
+
+Expected<void> makeFolder(const std::string& folder) {
+    std::error_code failed;
+    if (folder.empty() || fs::is_directory(folder, failed) || fs::create_directories(folder, failed)) return {};
+    return Error{.code = ErrorCode::unavailable,
+                 .cause = "the folder cannot be made: " + failed.message(),
+                 .mend = "name one that may be written",
+                 .file = folder};
+}
+
+/// Writes pictures under their source's number.
+class PictureFiles {
+  public:
+    explicit PictureFiles(std::string folder) : folder_(std::move(folder)) {}
+
+    void write(const FramePacket& packet, hal::ImageView<const hal::Rgba8> picture) {
+        if (folder_.empty() || !packet.hasPicture || error_) return;
+        const std::string path = (fs::path(folder_) / fmt::format("frame-{:06}.png", packet.sourceIndex)).string();
+        Expected<void> written = hal::writePng(path, picture, {.compression = 3});
+        if (!written) error_ = std::move(written).error();
+        if (written) ++count_;
+    }
+    [[nodiscard]] const std::optional<Error>& error() const { return error_; }
+    [[nodiscard]] std::uint64_t count() const { return count_; }
+
+  private:
+    std::string folder_;
+    std::optional<Error> error_;
+    std::uint64_t count_ = 0;
+};
+
+}  // namespace
+
+Expected<ReplayReport> replayRecording(const config::Settings& given, const ReplayRunOptions& options) {
+    Expected<void> checked = checkSource(options.source);
+    if (checked) checked = makeFolder(options.frames);
+    if (!checked) return std::move(checked).error();
+
+    config::Settings settings = given;
+    settings.display.kind = config::DisplayKind::headless;
+    settings.render.view = options.avatarView ? config::StartView::avatar : config::StartView::mirror;
+    Wardrobe wardrobe = loadWardrobe(wardrobeOptions(settings));
+    ReplayReport report;
+    for (const Error& refusal : wardrobe.refusals)
+        report.warnings.push_back(refusal.message());
+    if (!options.outfit.empty()) {
+        Expected<std::size_t> chosen = chooseOutfit(wardrobe, options.outfit);
+        if (!chosen) return std::move(chosen).error();
+        wardrobe.startOutfit = *chosen;
+    }
+
+    hal::VirtualClock virtualClock;
+    hal::SteadyClock steadyClock;
+    hal::Clock& clock = options.realTime ? static_cast<hal::Clock&>(steadyClock) : virtualClock;
+    // Admission goes by a clock that stands still, so that no task is ever put off, whatever the pace.
+    const hal::VirtualClock still;
+    Expected<std::unique_ptr<Screen>> screen = Screen::open(settings, clock);
+    if (!screen) return std::move(screen).error();
+
+    Expected<std::unique_ptr<hal::ReplayCamera>> recording = hal::makeReplayCamera({.folder = options.source}, clock);
+    if (!recording) return std::move(recording).error();
+    const hal::ReplayCamera& replay = **recording;
+    std::unique_ptr<hal::DepthCamera> camera = std::move(*recording);
+    std::unique_ptr<TracksWriter> tracks;
+    if (!options.tracks.empty()) {
+        Expected<std::unique_ptr<TracksWriter>> created = TracksWriter::create(options.tracks);
+        if (!created) return std::move(created).error();
+        tracks = std::move(*created);
+    }
+
+    PictureFiles files(options.frames);
+    Expected<std::unique_ptr<Mirror>> made = Mirror::create(
+        settings, {.camera = [&camera]() -> Expected<std::unique_ptr<hal::DepthCamera>> {
+                       if (camera != nullptr) return std::move(camera);
+                       return Error{.code = ErrorCode::unavailable, .cause = "the recording is played once"};
+                   },
+                   .display = &(*screen)->display(),
+                   .mode = (*screen)->mode(),
+                   .clock = &clock,
+                   .admission = &still,
+                   .cost = &steadyClock,
+                   .wardrobe = &wardrobe,
+                   .observer = [&files](const FramePacket& packet,
+                                        hal::ImageView<const hal::Rgba8> picture) { files.write(packet, picture); },
+                   .runToTheEnd = true});
+    if (!made) return std::move(made).error();
+    Mirror& mirror = **made;
+    const bool drawing = !options.frames.empty();
+    const auto draw = [&](const hal::DepthFrame& frame) {
+        if (!drawing || !frame.lastOfStill) return false;
+        return mirror.camera().info().independent || frame.sourceIndex % static_cast<std::uint64_t>(options.every) == 0;
+    };
+
+    while (true) {
+        const Expected<StepResult> step = mirror.step(draw);
+        if (!step) return step.error();
+        if (files.error()) return *files.error();
+        if (*step == StepResult::ended || *step == StepResult::stopped) break;
+        if (*step == StepResult::none) {
+            if (mirror.camera().state() == CameraState::lost) return *mirror.camera().fault();
+            continue;
+        }
+        const FrameChain& chain = mirror.chain();
+        if (tracks != nullptr) tracks->addGestures(chain.hands());
+        if (!mirror.frame().lastOfStill) continue;
+        ++report.frames;
+        if (chain.tracker().skeleton().present()) ++report.seen;
+        if (chain.session().dressed()) ++report.dressed;
+        if (tracks == nullptr) continue;
+        Expected<void> written =
+            tracks->writeFrame(mirror.frame(), chain.tracker().skeleton(), chain.hands(), chain.tracker().placement());
+        if (!written) return std::move(written).error();
+    }
+    if (tracks != nullptr) {
+        Expected<void> finished = tracks->finish(mirror.chain().measurements());
+        if (!finished) return std::move(finished).error();
+    }
+    for (std::string& warning : replay.warnings())
+        report.warnings.push_back(std::move(warning));
+    report.pictures = files.count();
+    report.renderer = mirror.rendererDescription();
+    report.tasks = mirror.statistics();
+    return report;
+}
+
+}  // namespace cheval::daemon

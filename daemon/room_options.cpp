@@ -1,0 +1,85 @@
+#include "daemon/room_options.h"
+
+namespace cheval::daemon {
+
+fitting::TrackerOptions trackerOptions(const config::Settings& settings, const hal::Mount& declared) {
+    hal::Mount mount = declared;
+    if (settings.sensor.heightMm > 0.0) {
+        mount = {.heightMm = static_cast<float>(settings.sensor.heightMm),
+                 .tiltDeg = static_cast<float>(settings.sensor.tiltDeg),
+                 .rollDeg = static_cast<float>(settings.sensor.rollDeg),
+                 .known = true};
+    }
+    // A sensor turned clockwise sees the world turned the other way.
+    if (settings.sensor.rotation == config::Rotation::clockwise) mount.rollDeg += 90.0F;
+    if (settings.sensor.rotation == config::Rotation::anticlockwise) mount.rollDeg -= 90.0F;
+    return {.mount = mount,
+            .zoneNearMetres = static_cast<float>(settings.zone.nearMetres),
+            .zoneFarMetres = static_cast<float>(settings.zone.farMetres),
+            .zoneHalfWidthMetres = static_cast<float>(settings.zone.halfWidthMetres)};
+}
+
+SessionOptions sessionOptions(const config::Settings& settings, const Wardrobe& wardrobe) {
+    return {.approach = hal::fromSeconds(settings.session.approachSeconds),
+            .acquire = hal::fromSeconds(settings.session.acquireSeconds),
+            .acquireLimit = hal::fromSeconds(settings.session.acquireLimitSeconds),
+            .leave = hal::fromSeconds(settings.session.leaveSeconds),
+            .gone = hal::fromSeconds(settings.session.goneSeconds),
+            .swipeLeftIsNext = settings.session.swipe == config::SwipeMeaning::carousel,
+            .outfitCount = wardrobe.outfits.size(),
+            .startOutfit = wardrobe.startOutfit,
+            .startInAvatarView = settings.render.view == config::StartView::avatar};
+}
+
+SchedulerOptions schedulerOptions(const config::Settings& settings) {
+    return {.framePeriod = hal::fromSeconds(1.0 / settings.loop.fps), .budgetScale = settings.loop.budgetScale};
+}
+
+LadderOptions ladderOptions(const config::Settings& settings) {
+    return {.enabled = settings.loop.degrade};
+}
+
+WardrobeOptions wardrobeOptions(const config::Settings& settings) {
+    return {.folder = settings.wardrobe.folder.empty() ? shippedAssetsFolder() : settings.wardrobe.folder,
+            .garments = settings.wardrobe.garments,
+            .outfits = settings.wardrobe.outfits,
+            .startOutfit = settings.wardrobe.startOutfit};
+}
+
+render::RendererOptions rendererOptions(const config::Settings& settings, const hal::DisplayMode& mode) {
+    render::ContextKind context = render::ContextKind::automatic;
+    if (settings.render.context == config::RenderContext::egl) context = render::ContextKind::egl;
+    if (settings.render.context == config::RenderContext::osmesa) context = render::ContextKind::osmesa;
+    return {.width = mode.width,
+            .height = mode.height,
+            .context = context,
+            .rotated = settings.sensor.rotation != config::Rotation::none};
+}
+
+hal::DisplayMode displayMode(const config::Settings& settings) {
+    return {.width = static_cast<int>(settings.display.width),
+            .height = static_cast<int>(settings.display.height),
+            .refreshHz = settings.display.refreshHz};
+}
+
+hal::PreviewOptions previewOptions(const config::Settings& settings) {
+    return {.mode = displayMode(settings),
+            .port = static_cast<std::uint16_t>(settings.preview.port),
+            .jpegQuality = static_cast<int>(settings.preview.jpegQuality),
+            .streamWidth = static_cast<int>(settings.preview.streamWidth)};
+}
+
+hal::sim::WorldOptions worldOptions(const config::Settings& settings) {
+    return {.seed = static_cast<std::uint32_t>(settings.simulation.seed),
+            .framesPerSecond = settings.loop.fps,
+            .colour = settings.simulation.colour,
+            .sensorNoise = settings.simulation.noise,
+            .visitSeconds = settings.simulation.visitSeconds,
+            .pauseSeconds = settings.simulation.pauseSeconds};
+}
+
+hal::ReplayOptions replayOptions(const config::Settings& settings) {
+    return {.folder = settings.sensor.folder, .loop = settings.sensor.loop};
+}
+
+}  // namespace cheval::daemon

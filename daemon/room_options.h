@@ -1,0 +1,31 @@
+// From the settings to each room's own options. Only daemon/ sees the settings.
+#pragma once
+
+#include "config/settings.h"
+#include "daemon/degrade_ladder.h"
+#include "daemon/scheduler.h"
+#include "daemon/session.h"
+#include "daemon/wardrobe.h"
+#include "fitting/tracking/tracker.h"
+#include "hal/display.h"
+#include "hal/frame.h"
+#include "hal/preview/preview_server.h"
+#include "hal/replay/replay_camera.h"
+#include "hal/sim/world.h"
+#include "render/renderer.h"
+
+namespace cheval::daemon {
+
+/// `declared` is what the camera says of its own mount; it counts where the settings leave the height at 0.
+fitting::TrackerOptions trackerOptions(const config::Settings& settings, const hal::Mount& declared);
+SessionOptions sessionOptions(const config::Settings& settings, const Wardrobe& wardrobe);
+SchedulerOptions schedulerOptions(const config::Settings& settings);
+LadderOptions ladderOptions(const config::Settings& settings);
+WardrobeOptions wardrobeOptions(const config::Settings& settings);
+render::RendererOptions rendererOptions(const config::Settings& settings, const hal::DisplayMode& mode);
+hal::DisplayMode displayMode(const config::Settings& settings);
+hal::PreviewOptions previewOptions(const config::Settings& settings);
+hal::sim::WorldOptions worldOptions(const config::Settings& settings);
+hal::ReplayOptions replayOptions(const config::Settings& settings);
+
+}  // namespace cheval::daemon

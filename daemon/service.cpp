@@ -1,0 +1,187 @@
+#include "daemon/service.h"
+
+#include <csignal>
+#include <ctime>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "daemon/devices.h"
+#include "daemon/hud_writer.h"
+#include "daemon/log.h"
+#include "daemon/room_options.h"
+
+namespace cheval::daemon {
+
+namespace {
+
+constexpr std::timespec kStatusEvery{.tv_sec = 0, .tv_nsec = 500'000'000};
+
+sigset_t awaitedSignals() {
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGTERM);
+    sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGHUP);
+    return signals;
+}
+
+/// Everything that belongs to one set of settings but the screen, which stays lit over a change.
+class Running {
+  public:
+    static Expected<std::unique_ptr<Running>> start(const config::Settings& settings, const Screen& screen,
+                                                    hal::Clock& clock) {
+        std::unique_ptr<Running> running(new Running(settings, clock));
+        MirrorParts parts{.camera = running->source_.camera,
+                          .display = &screen.display(),
+                          .mode = screen.mode(),
+                          .clock = &clock,
+                          .cost = &clock,
+                          .wardrobe = &running->wardrobe_};
+        if (running->source_.buttons != nullptr) parts.buttons.push_back(running->source_.buttons.get());
+        if (screen.buttons() != nullptr) parts.buttons.push_back(screen.buttons());
+        Expected<std::unique_ptr<Mirror>> mirror = Mirror::create(settings, std::move(parts));
+        if (!mirror) return std::move(mirror).error();
+        running->mirror_ = std::move(*mirror);
+        Expected<void> started = running->mirror_->start();
+        if (!started) return std::move(started).error();
+        log(Severity::notice, "drawing with " + running->mirror_->rendererDescription());
+        return running;
+    }
+
+    [[nodiscard]] Mirror& mirror() { return *mirror_; }
+    /// Refused garments, in short, for the service screen.
+    [[nodiscard]] std::string refusals() const {
+        std::string text;
+        for (const Error& refusal : wardrobe_.refusals)
+            text += (text.empty() ? "" : "  |  ") + serviceText(refusal);
+        return text;
+    }
+
+  private:
+    Running(const config::Settings& settings, hal::Clock& clock)
+        : wardrobe_(loadWardrobe(wardrobeOptions(settings))), source_(makeFrameSource(settings, clock)) {
+        for (const Error& refusal : wardrobe_.refusals)
+            log(Severity::warning, refusal.message());
+    }
+
+    Wardrobe wardrobe_;
+    FrameSource source_;
+    std::unique_ptr<Mirror> mirror_;
+};
+
+/// The service's state between signals.
+class Service {
+  public:
+    explicit Service(const ServiceOptions& options) : options_(options) {}
+
+    Expected<void> begin() {
+        config::LoadedSettings loaded = load();
+        settings_ = loaded.settings;
+        Expected<std::unique_ptr<Screen>> screen = Screen::open(settings_, clock_);
+        if (!screen) return std::move(screen).error();
+        screen_ = std::move(*screen);
+        Expected<void> lit = light();
+        if (lit && options_.started) options_.started(screen_->address());
+        return lit;
+    }
+
+    void reload() {
+        config::LoadedSettings loaded = load();
+        if (!loaded.good()) {
+            log(Severity::error, "the settings are refused; the last good ones stay in force");
+            tell();
+            return;
+        }
+        const config::Settings before = std::exchange(settings_, loaded.settings);
+        Expected<void> lit = relight(before);
+        if (lit) {
+            log(Severity::notice, "new settings are in force");
+            return;
+        }
+        // What the new settings ask for does not work: a mirror that works is worth more.
+        problem_ = serviceText(lit.error());
+        log(Severity::error, lit.error().message());
+        const config::Settings failed = std::exchange(settings_, before);
+        lit = relight(failed);
+        if (!lit) log(Severity::error, lit.error().message());
+    }
+
+    [[nodiscard]] bool running() const { return running_ != nullptr; }
+    void report() const {
+        if (options_.status && running_ != nullptr) options_.status(running_->mirror().status());
+    }
+    void end() { running_.reset(); }
+
+  private:
+    config::LoadedSettings load() {
+        config::LoadedSettings loaded = config::loadSettings(options_.settings);
+        problem_.clear();
+        for (const Error& problem : loaded.problems)
+            log(Severity::error, problem.message());
+        if (!loaded.good()) problem_ = serviceText(loaded.problems.front());
+        return loaded;
+    }
+
+    Expected<void> light() {
+        Expected<std::unique_ptr<Running>> running = Running::start(settings_, *screen_, clock_);
+        if (!running) return std::move(running).error();
+        running_ = std::move(*running);
+        tell();
+        return {};
+    }
+
+    Expected<void> relight(const config::Settings& before) {
+        running_.reset();
+        if (!Screen::same(before, settings_)) {
+            screen_.reset();
+            Expected<std::unique_ptr<Screen>> screen = Screen::open(settings_, clock_);
+            if (!screen) return std::move(screen).error();
+            screen_ = std::move(*screen);
+            if (!screen_->address().empty()) log(Severity::notice, "the mirror is at " + screen_->address());
+        }
+        return light();
+    }
+
+    void tell() {
+        const std::string refusals = running_->refusals();
+        running_->mirror().setNotice(problem_ + (problem_.empty() || refusals.empty() ? "" : "  |  ") + refusals);
+    }
+
+    const ServiceOptions& options_;
+    hal::SteadyClock clock_;
+    config::Settings settings_;
+    std::string problem_;
+    std::unique_ptr<Screen> screen_;
+    std::unique_ptr<Running> running_;
+};
+
+}  // namespace
+
+void blockSignals() {
+    const sigset_t signals = awaitedSignals();
+    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+}
+
+Expected<void> runService(const ServiceOptions& options) {
+    Service service(options);
+    Expected<void> begun = service.begin();
+    if (!begun) return begun;
+    const sigset_t signals = awaitedSignals();
+    while (service.running()) {
+        const int signal = sigtimedwait(&signals, nullptr, &kStatusEvery);
+        if (signal == SIGTERM || signal == SIGINT) break;
+        if (signal == SIGHUP) service.reload();
+        service.report();
+    }
+    if (!service.running()) {
+        return Error{.code = ErrorCode::unavailable,
+                     .cause = "the mirror could not be lit again",
+                     .mend = "read the messages before this one"};
+    }
+    service.end();
+    return {};
+}
+
+}  // namespace cheval::daemon

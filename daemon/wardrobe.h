@@ -1,0 +1,52 @@
+// The clothes and the body they were made on, as loaded at start-up, and the outfits that shoppers choose from.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "fitting/body/body.h"
+#include "fitting/garment/garment.h"
+#include "fitting/material.h"
+#include "fitting/outfit.h"
+#include "hal/expected.h"
+
+namespace cheval::daemon {
+
+struct WardrobeOptions {
+    std::string folder;                 ///< body.glb and <garment>.glb.
+    std::vector<std::string> garments;  ///< Ids: file names without .glb.
+    std::vector<std::string> outfits;   ///< Ids joined by '+'.
+    std::string startOutfit;            ///< One of outfits.
+};
+
+/// One thing to choose: a garment, or several worn together.
+struct OutfitChoice {
+    std::string id;    ///< E.g. "tshirt+trousers".
+    std::string name;  ///< For people, e.g. "T-shirt + Trousers".
+    fitting::Outfit outfit;
+};
+
+/// Immutable once loaded. What could not be loaded is refused with a message, and everything else stays.
+struct Wardrobe {
+    std::optional<fitting::Body> body;  ///< Absent: nobody can be dressed, but the mirror stays lit.
+    std::vector<fitting::Garment> garments;
+    std::vector<fitting::Material> materials;  ///< 0: the body; i + 1: garment i.
+    std::vector<OutfitChoice> outfits;
+    std::size_t startOutfit = 0;
+    std::vector<Error> refusals;
+};
+
+Wardrobe loadWardrobe(const WardrobeOptions& options);
+
+/// The choice that wears just the garments named in `names` ("tshirt,trousers" or "tshirt+trousers"), added to the
+/// wardrobe's choices if it is not there. An unknown name is refused with a list of the known ones.
+Expected<std::size_t> chooseOutfit(Wardrobe& wardrobe, std::string_view names);
+
+/// Where the assets that came with the program are: ../share/cheval/assets beside its folder when installed, else where
+/// the build made them.
+std::string shippedAssetsFolder();
+
+}  // namespace cheval::daemon
