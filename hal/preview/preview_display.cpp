@@ -42,15 +42,14 @@ Expected<DisplayBuffer> PreviewDisplay::lend(Duration /*timeout*/) {
     // One may be ready and one taken; the third is free.
     Slot* const slot = find(Slot::free);
     *slot = Slot::lent;
-    const std::size_t index = indexOf(slot);
-    return DisplayBuffer{.pixels = pictures_[index].view(), .slot = static_cast<std::uint32_t>(index)};
+    return DisplayBuffer{.pixels = pictures_[indexOf(slot)].view(), .slot = ++loan_};
 }
 
 Expected<void> PreviewDisplay::present(const DisplayBuffer& buffer, TimePoint /*time*/) {
     {
         const std::lock_guard lock(mutex_);
-        if (buffer.slot >= slots_.size() || slots_[buffer.slot] != Slot::lent ||
-            buffer.pixels.data != pictures_[buffer.slot].pixels.data()) {
+        Slot* const lent = find(Slot::lent);
+        if (lent == nullptr || buffer.slot != loan_ || buffer.pixels.data != pictures_[indexOf(lent)].pixels.data()) {
             return Error{.code = ErrorCode::invalidInput,
                          .cause = "this buffer is not on loan",
                          .mend = "present what lend() gave, once"};
@@ -59,7 +58,7 @@ Expected<void> PreviewDisplay::present(const DisplayBuffer& buffer, TimePoint /*
             *replaced = Slot::free;
             ++statistics_.dropped;
         }
-        slots_[buffer.slot] = Slot::ready;
+        *lent = Slot::ready;
         ++statistics_.presented;
         ++lastNumber_;
     }

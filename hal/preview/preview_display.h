@@ -55,6 +55,7 @@ class PreviewDisplay final : public Display {
     std::array<Image<Rgba8>, 3> pictures_;
     std::array<Slot, 3> slots_{};
     DisplayStatistics statistics_;
+    std::uint32_t loan_ = 0;  ///< Number of the latest loan, so that a buffer of an older one is known.
     std::uint64_t lastNumber_ = 0;
     int viewers_ = 0;
     bool open_ = false;

@@ -96,6 +96,7 @@ class FolderCamera final : public ReplayCamera {
         repetition_ = 0;
         passTicks_ = 0;
         unusable_ = 0;
+        vanished_ = false;
         fresh_ = true;
         return CameraInfo{.name = "replay of " + std::filesystem::path(options_.folder).lexically_normal().string(),
                           .intrinsics = sensor_.intrinsics,
@@ -111,7 +112,7 @@ class FolderCamera final : public ReplayCamera {
         const TimePoint begin = clock_.now();
         while (true) {
             if (interrupt.raised()) return FrameStatus::closed;
-            if (unusable_ >= pictures_.size()) return FrameStatus::lost;
+            if (vanished_ || unusable_ >= pictures_.size()) return FrameStatus::lost;
             if (position_ == pictures_.size()) {
                 if (!options_.loop) return FrameStatus::ended;
                 beginNextPass();
@@ -180,7 +181,9 @@ class FolderCamera final : public ReplayCamera {
     bool load() {
         const RecordedPicture& picture = pictures_[position_];
         if (auto done = loadDepth(picture.depth); !done) {
-            warn(done.error().message() + ". The frame is left out");
+            // It was there when the camera was made, so the recording itself is going.
+            vanished_ = done.error().code == ErrorCode::notFound;
+            warn(done.error().message() + (vanished_ ? "" : ". The frame is left out"));
             return false;
         }
         hasColour_ = false;
@@ -244,6 +247,7 @@ class FolderCamera final : public ReplayCamera {
     std::uint64_t repetition_ = 0;  // Of the next frame, within its still.
     std::uint64_t passTicks_ = 0;   // Ticks of the passes that are over, when it loops.
     std::size_t unusable_ = 0;      // Pictures in a row that could not be used.
+    bool vanished_ = false;         // A file that was listed is not there any more.
     bool fresh_ = true;             // The next frame follows none.
 
     std::vector<std::byte> file_;
