@@ -189,6 +189,8 @@ void BoneTransforms::placeLimb(Joint joint, const Joints& rest, const Tracked& t
     Eigen::Vector3f position = transforms_[bearing] * restPosition;
     if (isGirdle(joint) && tracked.has(joint)) {
         Eigen::Vector3f away = tracked.at(joint) - position;
+        const float squared = away.squaredNorm();
+        away *= squared / (squared + options_.girdleSlack * options_.girdleSlack);
         if (away.norm() > options_.girdleReach) away *= options_.girdleReach / away.norm();
         position += away;
     }

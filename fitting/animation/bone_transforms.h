@@ -13,8 +13,11 @@ struct BoneTransformOptions {
     float minimumConfidence = 0.5F;
     float shortestStretch = 0.8F;  ///< A bone meets the next tracked joint by stretching along itself, within limits:
     float longestStretch = 1.25F;  ///< a joint seen too near or too far pulls no more than this.
-    /// A shoulder or hip lies at most this far from where the torso puts it, metres: shrugging needs about 0.08, a
-    /// joint that jumped to another thing must not tear the garment.
+    /// Shoulders and hips hang from the torso and follow their tracked joints by the part d²/(d² + slack²) of the
+    /// distance d: a few centimetres are mostly another idea of where the joint is, or noise, and would dent the
+    /// garment; raised shoulders are followed. They never follow farther than the reach, metres: a joint that jumped to
+    /// another thing must not tear the garment.
+    float girdleSlack = 0.04F;
     float girdleReach = 0.12F;
 };
 

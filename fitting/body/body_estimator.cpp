@@ -56,6 +56,12 @@ constexpr float kPalmToWrist = 0.17F;
 // Half a pixel of outline at each end.
 constexpr float kOutlinePixels = 0.7F;
 
+// Standard uncertainties in metres that stay however long one looks: hair and soles, where a joint is taken to be, and
+// how far trousers hang below the crotch.
+constexpr float kHairAndShoes = 0.01F;
+constexpr float kJointPlace = 0.01F;
+constexpr float kTrouserRise = 0.03F;
+
 constexpr float kSmallestScale = 0.6F;
 constexpr float kLargestScale = 1.5F;
 constexpr float kNarrowest = 0.75F;  // Breadth scale over height scale.
@@ -255,12 +261,12 @@ void BodyEstimator::State::report() {
                                    .uncertainty = std::hypot(average.standardError, systematic),
                                    .valid = average.count >= kFirstSamples};
     };
-    // What no average takes away: the outline's pixel.
+    // What no average takes away: the outline's pixel, and what each length is not told apart from.
     const float outline = kOutlinePixels * pixelMetres;
-    put(Dimension::stature, windows[kStature], outline);
-    put(Dimension::shoulderBreadth, windows[kShoulderBreadth], outline);
-    put(Dimension::armLength, armLength, outline);
-    put(Dimension::insideLeg, insideLeg, outline);
+    put(Dimension::stature, windows[kStature], outline + kHairAndShoes);
+    put(Dimension::shoulderBreadth, windows[kShoulderBreadth], outline + kJointPlace);
+    put(Dimension::armLength, armLength, outline + kJointPlace);
+    put(Dimension::insideLeg, insideLeg, outline + kTrouserRise);
 }
 
 template <std::size_t N>
@@ -281,6 +287,8 @@ void BodyEstimator::State::reshape() {
     const auto height = scaleOf(kHeightWeights);
     const auto breadth = scaleOf(kBreadthWeights);
     if (!height && !breadth) return;
+    // One stands in for the other only when it is not to be had.
+    if ((!height || !breadth) && !measurements.converged) return;
     const float y = std::clamp(height ? *height : *breadth, kSmallestScale, kLargestScale);
     const float x = std::clamp(std::clamp(breadth ? *breadth : *height, kNarrowest * y, kBroadest * y), kSmallestScale,
                                kLargestScale);

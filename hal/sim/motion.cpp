@@ -86,14 +86,27 @@ constexpr double kGrabFrom = 11.1;  ///< The raised right hand begins to close â
 constexpr double kGrabTo = 12.0;    ///< â€¦ and to open again.
 constexpr double kGrabEase = 0.22;
 
+/// The direction `share` of the way along the great circle.
+Vector3f turnedTowards(const Vector3f& from, const Vector3f& to, float share) {
+    const Eigen::AngleAxisf whole(Eigen::Quaternionf::FromTwoVectors(from, to));
+    return Eigen::AngleAxisf(share * whole.angle(), whole.axis()) * from.normalized();
+}
+
+/// Axes of a hand: along the fingers, towards the thumb, out of the palm.
+Eigen::Quaternionf handAxes(const ArmAttitude& arm) {
+    Eigen::Matrix3f axes;
+    axes.col(0) = arm.fingers.normalized();
+    axes.col(1) = arm.palm.cross(arm.fingers).normalized();
+    axes.col(2) = axes.col(0).cross(axes.col(1));
+    return Eigen::Quaternionf(axes);
+}
+
 ArmAttitude blend(const ArmAttitude& from, const ArmAttitude& to, float share) {
-    const auto mix = [share](const Vector3f& a, const Vector3f& b) -> Vector3f {
-        return ((1.0F - share) * a + share * b).normalized();
-    };
-    return {.upper = mix(from.upper, to.upper),
-            .forearm = mix(from.forearm, to.forearm),
-            .fingers = mix(from.fingers, to.fingers),
-            .palm = mix(from.palm, to.palm),
+    const Eigen::Matrix3f hand = handAxes(from).slerp(share, handAxes(to)).toRotationMatrix();
+    return {.upper = turnedTowards(from.upper, to.upper, share),
+            .forearm = turnedTowards(from.forearm, to.forearm, share),
+            .fingers = hand.col(0),
+            .palm = hand.col(2),
             .curl = (1.0F - share) * from.curl + share * to.curl};
 }
 
@@ -229,21 +242,29 @@ void walkFeet(const Walk& walk, const Gait& gait, double time, Posture& posture)
     const Place here = walk.plant(step);
     FootAttitude stand{.ankle = aside(here, sideways(standing), gait.ankleHeight),
                        .yaw = here.yaw + toeOut(leftStands ? Side::left : Side::right)};
-    posture.feet[standing] = pitched(stand, 0.0F, gait);
+    // The heel leaves the floor before the foot does.
+    const auto strengthOf = [&](const Place& a, const Place& b) {
+        return std::min(1.0F, (b.position - a.position).norm() / (0.9F * gait.legLength));
+    };
+    const float heelOff = 0.34F * vigour;
+    const float heel = std::clamp((u - 0.55F) / 0.45F, 0.0F, 1.0F);
+    posture.feet[standing] =
+        pitched(stand, heelOff * strengthOf(here, walk.plant(step + 2)) * heel * heel * (3.0F - 2.0F * heel), gait);
 
     const Place from = walk.plant(step - 1);
     const Place to = walk.plant(step + 1);
-    const float swing = ease((u - 0.06F) / 0.88F);
+    // Gentler than an ease from rest to rest: a swinging leg is a pendulum.
+    const float through = std::clamp((u - 0.04F) / 0.92F, 0.0F, 1.0F);
+    const float swing = through * through * (3.0F - 2.0F * through);
     const std::size_t swinging = 1 - standing;
     FootAttitude foot;
     foot.yaw = from.yaw + swing * (to.yaw - from.yaw) + toeOut(leftStands ? Side::right : Side::left);
     foot.ankle = (1.0F - swing) * aside(from, sideways(swinging), gait.ankleHeight) +
                  swing * aside(to, sideways(swinging), gait.ankleHeight);
-    const float stride = (to.position - from.position).norm();
-    const float strength = std::min(1.0F, stride / (0.9F * gait.legLength));
-    foot = pitched(foot, strength * (0.75F * std::sin(kPi * std::clamp(2.2F * u, 0.0F, 1.0F)) * (1.0F - swing)), gait);
-    foot.ankle.y() +=
-        gait.legLength * (0.025F + 0.05F * strength) * std::sin(kPi * swing) * (stride > 0.02F ? 1.0F : 0.0F);
+    const float strength = strengthOf(from, to);
+    const float pushOff = std::sin(kPi * std::clamp(2.2F * u, 0.0F, 1.0F));
+    foot = pitched(foot, strength * (heelOff + 0.4F * pushOff) * (1.0F - swing), gait);
+    foot.ankle.y() += gait.legLength * 0.075F * std::min(1.0F, 3.0F * strength) * std::sin(kPi * swing);
     posture.feet[swinging] = foot;
 }
 
@@ -257,7 +278,7 @@ void walkBody(const Walk& walk, const Gait& gait, double time, Posture& posture)
     posture.pelvis.x() = place.position.x();
     posture.pelvis.z() = place.position.y();
     // Lowest as the legs are farthest apart.
-    posture.pelvis.y() -= gait.legLength * vigour * (0.030F - 0.012F * passing * passing);
+    posture.pelvis.y() -= gait.legLength * vigour * (0.032F - 0.014F * passing * passing);
     posture.pelvis += 0.018F * vigour * stride * Vector3f(-std::cos(place.yaw), 0.0F, std::sin(place.yaw));
     posture.pelvisRoll += 0.03F * vigour * stride;
     posture.chestRoll -= 0.03F * vigour * stride;
@@ -336,7 +357,7 @@ Posture postureAt(const Shopper& shopper, const Rig& rig, double time) {
                                         {9.15, 9.9, -kTurnAngle, 0.0F},
                                         {16.9, 17.5, 0.0F, 0.5F * exitYaw},
                                         {17.5, kLeaving, 0.5F * exitYaw, exitYaw}}};
-    const int steps = shopper.stature < 1.5F ? 6 : 5;
+    const int steps = shopper.stature < 1.5F ? 7 : 6;
     const Vector2f spot(0.0F, kStandDepth);
     const Vector2f away(-std::sin(exitYaw), -std::cos(exitYaw));
     const Walk in{.control = {Vector2f(-2.35F, shopper.entryDepth), Vector2f(-1.25F, shopper.entryDepth + 0.15F),
@@ -345,19 +366,18 @@ Posture postureAt(const Shopper& shopper, const Rig& rig, double time) {
                   .end = kArrived,
                   .steps = steps,
                   .arriving = true};
-    const Walk out{.control = {spot, spot + 0.75F * away, spot + 1.5F * away, spot + 2.3F * away},
+    const Walk out{.control = {spot, spot + 0.7F * away, spot + 1.4F * away, spot + 2.1F * away},
                    .start = kLeaving,
                    .end = kScriptSeconds,
                    .steps = shopper.stature < 1.5F ? 5 : 4,
                    .arriving = false};
 
     Posture posture;
-    posture.pelvis.y() = rig.at(Bone::pelvis).y() - 0.006F * gait.legLength;
+    posture.pelvis.y() = rig.at(Bone::pelvis).y() - 0.013F * gait.legLength;
     posture.arms[fitting::index(Side::left)] = armAt(kLeftMoves, time);
     posture.arms[fitting::index(Side::right)] = armAt(kRightMoves, time);
     posture.arms[fitting::index(Side::right)].curl +=
         ease(kGrabFrom, kGrabFrom + kGrabEase, time) - ease(kGrabTo, kGrabTo + kGrabEase, time);
-    posture.arms[fitting::index(Side::left)].palm.normalize();
 
     sway(time, ease(kArrived - 0.6, kArrived + 0.6, time) - ease(kLeaving - 0.6, kLeaving + 0.2, time), posture);
     const float swayX = posture.pelvis.x();

@@ -124,7 +124,12 @@ void placeLeg(const Rig& rig, Side side, const FootAttitude& foot, float yaw, Po
     const float upper = (rig.rest[shin] - rig.rest[thigh]).norm();
     const float lower = (rig.rest[sole] - rig.rest[shin]).norm();
     Vector3f reach = foot.ankle - hip;
-    const float distance = std::min(reach.norm(), 0.9995F * (upper + lower));
+    // A leg that straightens at its full reach would snap its knee: it comes up to the reach softly, the foot gives
+    // way.
+    const float full = upper + lower;
+    const float soft = 0.015F * full;
+    float distance = reach.norm();
+    if (distance > full - soft) distance = full - soft * std::exp((full - soft - distance) / soft);
     reach.normalize();
     const float along = (distance * distance + upper * upper - lower * lower) / (2.0F * distance);
     const float bend = std::sqrt(std::max(0.0F, upper * upper - along * along));
