@@ -16,7 +16,7 @@
 #include <nlohmann/json.hpp>
 #include <tiny_gltf.h>
 
-#include "fitting/bake/png.h"
+#include "hal/png/png.h"
 
 namespace cheval::fitting::bake {
 namespace {
@@ -97,12 +97,20 @@ class Document {
         pbr.roughnessFactor = material.roughness;
         out.doubleSided = material.doubleSided;
         if (!material.baseColourTexture.empty()) {
-            auto png = encodePng(material.baseColourTexture.view());
-            if (!png) return png.error();
+            // Cloth hides what is behind it: the texture goes without its alpha.
+            hal::Image<hal::Rgb8> opaque(material.baseColourTexture.width, material.baseColourTexture.height);
+            std::transform(material.baseColourTexture.pixels.begin(), material.baseColourTexture.pixels.end(),
+                           opaque.pixels.begin(), [](const hal::Rgba8& pixel) {
+                               return hal::Rgb8{pixel.r, pixel.g, pixel.b};
+                           });
+            std::vector<std::byte> png;
+            if (auto encoded = hal::encodePng(std::as_const(opaque).view(), png, {.compression = 5}); !encoded) {
+                return encoded.error();
+            }
             tinygltf::Image image;
             image.name = material.name;
             image.mimeType = "image/png";
-            image.bufferView = addView(png.value().data(), png.value().size(), 0);
+            image.bufferView = addView(png.data(), png.size(), 0);
             model_.images.push_back(image);
             tinygltf::Texture texture;
             texture.source = static_cast<int>(model_.images.size()) - 1;
