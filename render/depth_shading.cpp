@@ -15,11 +15,35 @@ constexpr float kStillMetres = 0.05F;
 constexpr float kFreshness = 0.4F;
 /// A pixel without a reading counts as "not the shopper" by this much: it closes holes in a shirt without letting the
 /// outline swell into an empty background.
-constexpr float kHoleWeight = 0.45F;
+constexpr float kHoleWeight = 0.4F;
+/// Farther than this from the shopper around it, a reading of theirs is a misread edge.
+constexpr float kMisreadMetres = 0.3F;
+/// Reach of one smoothing pass along a row or column, in pixels, and how often both are gone through.
+constexpr int kReach = 4;
+constexpr int kPasses = 2;
+
+/// Steps beyond this part surfaces from one another; less is noise, which grows with the distance's square
+/// (Khoshelham & Elberink 2012: 15 mm at 3 m).
+float surfaceStep(float metres) {
+    return 0.035F + 0.008F * metres * metres;
+}
 
 float smoothStep(float from, float to, float value) {
     const float t = std::clamp((value - from) / (to - from), 0.0F, 1.0F);
     return t * t * (3.0F - 2.0F * t);
+}
+
+/// Adds to each sum its neighbour's depth where that is the same surface. The four rows never overlap, which lets the
+/// compiler take several pixels at a time.
+void gather(const float* __restrict__ from, const float* __restrict__ neighbour, float* __restrict__ sum,
+            float* __restrict__ weight, int count) {
+    for (int x = 0; x < count; ++x) {
+        const float here = from[x];
+        const float there = neighbour[x];
+        const float same = std::abs(there - here) < surfaceStep(here) ? 1.0F : 0.0F;
+        sum[x] += same * there;
+        weight[x] += same;
+    }
 }
 
 std::uint8_t byte(float value) {
@@ -36,10 +60,8 @@ hal::ImageView<const hal::Rgb8> DepthShading::shade(const CameraPicture& camera,
         const auto pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
         picture_.resize(width_, height_);
         steady_.assign(pixels, 0.0F);
-        person_.assign(pixels, 0);
-        for (auto* values : {&personDepth_, &personWeight_, &sceneDepth_, &sceneWeight_, &scratch_})
+        for (auto* values : {&person_, &personDepth_, &scene_, &depth_, &alpha_, &scratch_, &weight_})
             values->assign(pixels, 0.0F);
-        column_.assign(static_cast<std::size_t>(std::max(width_, height_)), 0.0F);
     }
     const auto corner = [&](float x, float y) {
         const int column = static_cast<int>(mapping.cropLeft + x / mapping.scale);
@@ -55,25 +77,35 @@ hal::ImageView<const hal::Rgb8> DepthShading::shade(const CameraPicture& camera,
     region.height = std::min(std::max(a.y(), b.y()) + kRim + 1, height_) - region.y0;
 
     steady(camera, region);
-    blur(region, true, personDepth_, personWeight_);
-    blur(region, false, sceneDepth_, sceneWeight_);
+    // Two boxes make nearly a Gaussian of 2 pixels (D10's clean-up).
+    for (auto* values : {&person_, &personDepth_, &scene_}) {
+        boxBlur(region, *values);
+        boxBlur(region, *values);
+    }
+    repair(region);
+    for (int pass = 0; pass < kPasses; ++pass)
+        flatten(region);
     light(camera, mapping, region);
     return picture_.view();
 }
 
 void DepthShading::steady(const CameraPicture& camera, const Region& region) {
-    const bool knowsUser = !camera.userMap.empty() && camera.userLabel != 0 && camera.userMap.width == width_ &&
-                           camera.userMap.height == height_;
+    const bool knowsUser = !camera.userMap.empty() && camera.userLabel != 0;
     for (int y = 0; y < region.height; ++y) {
         const std::uint16_t* depth = camera.depth.row(region.y0 + y) + region.x0;
         const std::uint8_t* map = knowsUser ? camera.userMap.row(region.y0 + y) + region.x0 : nullptr;
         float* before = steady_.data() + static_cast<std::ptrdiff_t>(region.y0 + y) * width_ + region.x0;
-        std::uint8_t* person = person_.data() + static_cast<std::ptrdiff_t>(y) * region.width;
+        const auto row = static_cast<std::ptrdiff_t>(y) * region.width;
         for (int x = 0; x < region.width; ++x) {
             const float now = static_cast<float>(depth[x]) * 1e-3F;
             const bool still = depth[x] != 0 && std::abs(now - before[x]) < kStillMetres;
             before[x] = still ? before[x] + (now - before[x]) * kFreshness : now;
-            person[x] = map != nullptr && map[x] == camera.userLabel ? 1 : 0;
+            const bool person = depth[x] != 0 && map != nullptr && map[x] == camera.userLabel;
+            const auto i = static_cast<std::size_t>(row + x);
+            person_[i] = person ? 1.0F : 0.0F;
+            personDepth_[i] = person ? before[x] : 0.0F;
+            scene_[i] = depth[x] != 0 && !person ? 1.0F : 0.0F;
+            depth_[i] = before[x];
         }
     }
 }
@@ -110,70 +142,112 @@ void DepthShading::boxBlur(const Region& region, std::vector<float>& values) {
     }
 }
 
-void DepthShading::blur(const Region& region, bool person, std::vector<float>& depth, std::vector<float>& weight) {
-    for (int y = 0; y < region.height; ++y) {
-        const float* from = steady_.data() + static_cast<std::ptrdiff_t>(region.y0 + y) * width_ + region.x0;
-        const auto row = static_cast<std::ptrdiff_t>(y) * region.width;
-        for (int x = 0; x < region.width; ++x) {
-            const bool counts = from[x] > 0.0F && (person_[static_cast<std::size_t>(row + x)] != 0) == person;
-            depth[static_cast<std::size_t>(row + x)] = counts ? from[x] : 0.0F;
-            weight[static_cast<std::size_t>(row + x)] = counts ? 1.0F : 0.0F;
-        }
+void DepthShading::repair(const Region& region) {
+    const auto pixels = static_cast<std::size_t>(region.width) * static_cast<std::size_t>(region.height);
+    for (std::size_t i = 0; i < pixels; ++i) {
+        const float person = person_[i];
+        alpha_[i] = 0.0F;
+        if (person < 0.02F) continue;
+        const float known = person + scene_[i] + kHoleWeight * (1.0F - person - scene_[i]);
+        alpha_[i] = smoothStep(0.42F, 0.68F, person / known);
+        if (alpha_[i] <= 0.0F) continue;
+        // What belongs to the shopper but was not read, or was read on the wall behind, lies where they are around it.
+        const float around = personDepth_[i] / person;
+        if (std::abs(depth_[i] - around) > kMisreadMetres) depth_[i] = around;
     }
-    // Two boxes make nearly a Gaussian of 2 pixels (D10's clean-up, with holes filled from their neighbours).
-    for (int pass = 0; pass < 2; ++pass) {
-        boxBlur(region, depth);
-        boxBlur(region, weight);
+}
+
+void DepthShading::flatten(const Region& region) {
+    // A mean along rows, then along columns, over what belongs to the same surface: noise goes, steps stay. Rows are
+    // walked whole for each neighbour, so that the compiler takes several pixels at a time.
+    const int width = region.width;
+    const int height = region.height;
+    const auto at = [width](std::vector<float>& values, int y) {
+        return values.data() + static_cast<std::ptrdiff_t>(y) * width;
+    };
+    for (int y = 0; y < height; ++y) {
+        const float* from = at(depth_, y);
+        float* sum = at(scratch_, y);
+        float* weight = at(weight_, y);
+        std::copy(from, from + width, sum);
+        std::fill(weight, weight + width, 1.0F);
+        for (int step = 1; step <= kReach && step < width; ++step) {
+            gather(from, from + step, sum, weight, width - step);
+            gather(from + step, from, sum + step, weight + step, width - step);
+        }
+        for (int x = 0; x < width; ++x)
+            sum[x] /= weight[x];
+    }
+    for (int y = 0; y < height; ++y) {
+        const float* from = at(scratch_, y);
+        float* sum = at(depth_, y);
+        float* weight = at(weight_, y);
+        std::copy(from, from + width, sum);
+        std::fill(weight, weight + width, 1.0F);
+        for (int each = std::max(y - kReach, 0); each <= std::min(y + kReach, height - 1); ++each) {
+            if (each != y) gather(from, at(scratch_, each), sum, weight, width);
+        }
+        for (int x = 0; x < width; ++x)
+            sum[x] /= weight[x];
     }
 }
 
 void DepthShading::light(const CameraPicture& camera, const MirrorMapping& mapping, const Region& region) {
     // Slopes are turned to the display's axes, so that light falls from the same side however the sensor hangs.
     const Eigen::Matrix2f turn = mapping.displayFromSensor().topLeftCorner<2, 2>() / mapping.scale;
-    const Eigen::Vector3f key = Eigen::Vector3f(-0.45F, 0.62F, 0.64F).normalized();
+    const Eigen::Vector3f key = Eigen::Vector3f(-0.5F, 0.6F, 0.62F).normalized();
     const Eigen::Vector3f fill = Eigen::Vector3f(0.8F, 0.05F, 0.6F).normalized();
-    const auto width = static_cast<std::size_t>(region.width);
-    const auto normalAt = [&](const std::vector<float>& depth, const std::vector<float>& weight, int x, int y,
-                              float z) -> Eigen::Vector3f {
-        const auto value = [&](int column, int row) {
-            const auto i = static_cast<std::size_t>(std::clamp(row, 0, region.height - 1)) * width +
-                           static_cast<std::size_t>(std::clamp(column, 0, region.width - 1));
-            return weight[i] > 0.02F ? depth[i] / weight[i] : z;
-        };
-        const float perPixel = 0.5F / z;
-        const Eigen::Vector2f slope(
-            std::clamp((value(x + 1, y) - value(x - 1, y)) * camera.intrinsics.fx * perPixel, -2.5F, 2.5F),
-            std::clamp((value(x, y + 1) - value(x, y - 1)) * camera.intrinsics.fy * perPixel, -2.5F, 2.5F));
-        const Eigen::Vector2f onDisplay = turn * slope;
-        // Display x right, y up, z towards the viewer.
-        return Eigen::Vector3f(onDisplay.x(), -onDisplay.y(), 1.0F).normalized();
+    const int width = region.width;
+    constexpr int kSpan = 2;
+    // Metres a pixel along one axis: the mean of both sides, or the side that is the same surface.
+    const auto slope = [](float before, float here, float after, int stepsBefore, int stepsAfter) {
+        const float limit = surfaceStep(here);
+        const bool usesBefore = stepsBefore > 0 && std::abs(here - before) < limit;
+        const bool usesAfter = stepsAfter > 0 && std::abs(after - here) < limit;
+        if (!usesBefore && !usesAfter) return 0.0F;
+        const float from = usesBefore ? before : here;
+        const float to = usesAfter ? after : here;
+        return (to - from) / static_cast<float>((usesBefore ? stepsBefore : 0) + (usesAfter ? stepsAfter : 0));
     };
     for (int y = 0; y < region.height; ++y) {
         hal::Rgb8* out = picture_.view().row(region.y0 + y) + region.x0;
-        for (int x = 0; x < region.width; ++x) {
-            const std::size_t i = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
-            const float person = personWeight_[i];
-            const float scene = sceneWeight_[i];
-            const float known = person + scene + kHoleWeight * (1.0F - person - scene);
-            const float alpha = person > 0.02F ? smoothStep(0.42F, 0.68F, person / known) : 0.0F;
+        const float* here = depth_.data() + static_cast<std::ptrdiff_t>(y) * width;
+        const int up = std::min(kSpan, y);
+        const int down = std::min(kSpan, region.height - 1 - y);
+        const float* above = here - static_cast<std::ptrdiff_t>(up) * width;
+        const float* below = here + static_cast<std::ptrdiff_t>(down) * width;
+        const float* alphas = alpha_.data() + static_cast<std::ptrdiff_t>(y) * width;
+        for (int x = 0; x < width; ++x) {
+            const float z = here[x];
+            const float alpha = alphas[x];
             Eigen::Array3f colour(17.0F, 19.0F, 24.0F);
-            if (alpha < 1.0F && scene > 0.02F) {
-                const float z = sceneDepth_[i] / scene;
-                const Eigen::Vector3f normal = normalAt(sceneDepth_, sceneWeight_, x, y, z);
-                const float lit = 0.35F + 0.65F * std::max(normal.dot(key), 0.0F);
-                const float fade = std::clamp(1.25F - z * 0.22F, 0.2F, 1.0F) * std::min(scene * 1.4F, 1.0F);
-                colour += Eigen::Array3f(30.0F, 34.0F, 42.0F) * (lit * fade);
-            }
-            if (alpha > 0.0F) {
-                const float z = personDepth_[i] / person;
-                const Eigen::Vector3f normal = normalAt(personDepth_, personWeight_, x, y, z);
-                const float wrapped = std::max((normal.dot(key) + 0.35F) / 1.35F, 0.0F);
-                const float second = std::max(normal.dot(fill), 0.0F);
-                const float facing = 0.55F + 0.45F * normal.z();
-                const Eigen::Array3f lit =
-                    facing * (Eigen::Array3f(74.0F, 62.0F, 57.0F) + Eigen::Array3f(150.0F, 128.0F, 108.0F) * wrapped +
-                              Eigen::Array3f(14.0F, 20.0F, 28.0F) * second);
-                colour += (lit - colour) * alpha;
+            if (z <= 0.0F) {
+                // A hole in the scene takes what surrounds it, in the mean.
+                colour += Eigen::Array3f(13.0F, 15.0F, 19.0F) *
+                          std::min(scene_[static_cast<std::size_t>(y * width + x)] * 1.5F, 1.0F);
+            } else {
+                const int left = std::min(kSpan, x);
+                const int right = std::min(kSpan, width - 1 - x);
+                const Eigen::Vector2f slopes(
+                    slope(here[x - left], z, here[x + right], left, right) * camera.intrinsics.fx / z,
+                    slope(above[x], z, below[x], up, down) * camera.intrinsics.fy / z);
+                const Eigen::Vector2f onDisplay = turn * slopes;
+                // Display x right, y up, z towards the viewer.
+                const Eigen::Vector3f normal = Eigen::Vector3f(onDisplay.x(), -onDisplay.y(), 1.0F).normalized();
+                if (alpha < 1.0F) {
+                    const float lit = 0.7F + 0.3F * std::max(normal.dot(key), 0.0F);
+                    const float fade = std::clamp(1.3F - z * 0.23F, 0.22F, 1.0F);
+                    colour += Eigen::Array3f(27.0F, 31.0F, 39.0F) * (lit * fade);
+                }
+                if (alpha > 0.0F) {
+                    const float wrapped = std::max((normal.dot(key) + 0.3F) / 1.3F, 0.0F);
+                    const float second = std::max(normal.dot(fill), 0.0F);
+                    const float facing = 0.5F + 0.5F * normal.z();
+                    const Eigen::Array3f lit = facing * (Eigen::Array3f(64.0F, 54.0F, 51.0F) +
+                                                         Eigen::Array3f(162.0F, 138.0F, 116.0F) * wrapped +
+                                                         Eigen::Array3f(14.0F, 20.0F, 28.0F) * second);
+                    colour += (lit - colour) * alpha;
+                }
             }
             out[x] = {byte(colour.x()), byte(colour.y()), byte(colour.z())};
         }

@@ -24,15 +24,21 @@ class DepthShading {
         int x0 = 0, y0 = 0, width = 0, height = 0;
     };
     void steady(const CameraPicture& camera, const Region& region);
-    void blur(const Region& region, bool person, std::vector<float>& depth, std::vector<float>& weight);
     void boxBlur(const Region& region, std::vector<float>& values);
+    void repair(const Region& region);
+    void flatten(const Region& region);
     void light(const CameraPicture& camera, const MirrorMapping& mapping, const Region& region);
 
     hal::Image<hal::Rgb8> picture_;
     int width_ = 0, height_ = 0;
-    std::vector<float> steady_;         ///< Metres, averaged over time where nothing moves; 0: no reading.
-    std::vector<std::uint8_t> person_;  ///< Of the region below: 1 = shopper, 0 = scene.
-    std::vector<float> personDepth_, personWeight_, sceneDepth_, sceneWeight_, scratch_, column_;
+    std::vector<float> steady_;  ///< Metres, averaged over time where nothing moves; 0: no reading.
+    // All of the region, row after row:
+    std::vector<float> person_;       ///< 1 = shopper; blurred: the share of shopper around.
+    std::vector<float> personDepth_;  ///< Metres times person_.
+    std::vector<float> scene_;        ///< 1 = reading, not of the shopper; blurred likewise.
+    std::vector<float> depth_;        ///< Repaired and smoothed within surfaces; 0: nothing there.
+    std::vector<float> alpha_;        ///< How much of the shopper a pixel shows.
+    std::vector<float> scratch_, weight_;
 };
 
 }  // namespace cheval::render
