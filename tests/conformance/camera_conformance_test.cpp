@@ -84,6 +84,10 @@ class CameraConformanceTest : public testing::TestWithParam<CameraBackEnd> {
 class RecordingConformanceTest : public CameraConformanceTest {};
 class LossConformanceTest : public CameraConformanceTest {};
 class WaitConformanceTest : public CameraConformanceTest {};
+// A program whose list has none of a kind leaves that kind's tests out.
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(RecordingConformanceTest);
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(LossConformanceTest);
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(WaitConformanceTest);
 
 std::vector<CameraBackEnd> backEndsWith(bool CameraBackEnd::*ability) {
     std::vector<CameraBackEnd> chosen;
