@@ -174,9 +174,10 @@ void explainBy(const LimbModel& model, const Eigen::Vector3f& root, const LimbPo
                Side otherSide, std::span<const Eigen::Vector3f> points, std::vector<float>& explained) {
     explained.resize(points.size());
     const Eigen::Vector3f middle = 0.5F * (torso.hips[0] + torso.hips[1]);
+    const LimbSkin skin(model, root, other);
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (other.valid) {
-            explained[i] = distanceToLimb(model, root, other, points[i]);
+            explained[i] = skin.distanceTo(points[i]);
         } else {
             const float across = (points[i] - middle).dot(torso.left) * (otherSide == Side::left ? 1.0F : -1.0F);
             explained[i] = across > 0.02F ? 0.0F : 1.0F;

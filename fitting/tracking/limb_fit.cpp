@@ -9,12 +9,8 @@ namespace {
 
 /// Beyond this a point or a bone is simply wrong, however far.
 constexpr float kCap = 0.14F;
-
-float distanceToSegment(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& p) {
-    const Eigen::Vector3f ab = b - a;
-    const float t = std::clamp((p - a).dot(ab) / std::max(ab.squaredNorm(), 1e-8F), 0.0F, 1.0F);
-    return (p - a - t * ab).norm();
-}
+/// What the share of unexplained points weighs against bones in the air.
+constexpr float kPointWeight = 2.5F;
 
 float squareCapped(float metres) {
     const float capped = std::min(std::abs(metres), kCap) / kCap;
@@ -64,13 +60,12 @@ LimbModel legModel(float stature) {
             .beyond = 0.02F * stature};
 }
 
-float distanceToLimb(const LimbModel& model, const Eigen::Vector3f& root, const LimbPose& pose,
-                     const Eigen::Vector3f& point) {
-    const Eigen::Vector3f lower = pose.end - pose.middle;
-    const Eigen::Vector3f tip = pose.end + lower * (model.beyond / std::max(lower.norm(), 1e-4F));
-    const float upperDistance = distanceToSegment(root, pose.middle, point) - model.upperRadius;
-    const float lowerDistance = distanceToSegment(pose.middle, tip, point) - model.lowerRadius;
-    return std::min(std::abs(upperDistance), std::abs(lowerDistance));
+LimbSkin::LimbSkin(const LimbModel& model, const Eigen::Vector3f& root, const LimbPose& pose) {
+    const Eigen::Vector3f forearm = pose.end - pose.middle;
+    const Eigen::Vector3f whole = forearm * (1.0F + model.beyond / std::max(forearm.norm(), 1e-4F));
+    const Eigen::Vector3f upper = pose.middle - root;
+    upper_ = {root, upper, 1.0F / std::max(upper.squaredNorm(), 1e-8F), model.upperRadius};
+    lower_ = {pose.middle, whole, 1.0F / std::max(whole.squaredNorm(), 1e-8F), model.lowerRadius};
 }
 
 LimbPose LimbFitJob::along(const Eigen::Vector3f& upper, const Eigen::Vector3f& lower) const {
@@ -152,13 +147,16 @@ float LimbFitJob::bodyCost(const LimbPose& candidate) const {
 float LimbFitJob::evaluate(const LimbPose& candidate) const {
     const float bones = boneCost(candidate) + bodyCost(candidate);
     if (bones > pose.cost) return bones;
+    if (points.empty()) return bones;
+    // As soon as the points alone are worse than what is known, the rest need not be looked at.
+    const float perPoint = kPointWeight / static_cast<float>(points.size());
+    const float most = (pose.cost - bones) / perPoint;
+    const LimbSkin skin(model, root, candidate);
     float unexplained = 0.0F;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const float own = distanceToLimb(model, root, candidate, points[i]);
-        unexplained += squareCapped(std::min(own, explained[i]));
+    for (std::size_t i = 0; i < points.size() && unexplained <= most; ++i) {
+        unexplained += squareCapped(std::min(skin.distanceTo(points[i]), explained[i]));
     }
-    if (!points.empty()) unexplained /= static_cast<float>(points.size());
-    return bones + 2.5F * unexplained;
+    return bones + perPoint * unexplained;
 }
 
 void LimbFitJob::tryPose(const LimbPose& candidate) {

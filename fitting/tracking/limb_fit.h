@@ -1,7 +1,9 @@
 // Arms and legs: two bones from a known root, fitted to the depth by a guided search.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 
@@ -36,9 +38,27 @@ struct LimbPose {
     bool valid = false;
 };
 
-/// Distance of a point from a limb's axis, less the limb's radius there.
-float distanceToLimb(const LimbModel& model, const Eigen::Vector3f& root, const LimbPose& pose,
-                     const Eigen::Vector3f& point);
+/// A posed limb, prepared for many questions: how far points are from its skin, inside or out.
+class LimbSkin {
+  public:
+    LimbSkin(const LimbModel& model, const Eigen::Vector3f& root, const LimbPose& pose);
+    [[nodiscard]] float distanceTo(const Eigen::Vector3f& point) const {
+        return std::min(upper_.distanceTo(point), lower_.distanceTo(point));
+    }
+
+  private:
+    struct Bone {
+        Eigen::Vector3f from, along;
+        float perLength, radius;  ///< perLength: 1 / |along|².
+
+        [[nodiscard]] float distanceTo(const Eigen::Vector3f& point) const {
+            const Eigen::Vector3f offset = point - from;
+            const float t = std::clamp(offset.dot(along) * perLength, 0.0F, 1.0F);
+            return std::abs((offset - t * along).norm() - radius);
+        }
+    };
+    Bone upper_, lower_;
+};
 
 /// A small deterministic generator: the same frame gives the same pose.
 struct Generator {

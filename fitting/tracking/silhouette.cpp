@@ -11,30 +11,35 @@ constexpr float kDiagonal = 1.41421356F;
 /// Cells about the person in which `outside` is known.
 constexpr int kMargin = 24;
 
+/// One line of the chamfer: what the line before (above or below) and then the neighbour on one side allow.
+void relaxLine(float* line, const float* before, int count) {
+    for (int k = 0; k < count; ++k) {
+        line[k] = std::min(line[k], before[k] + 1.0F);
+    }
+    for (int k = 1; k < count; ++k) {
+        line[k] = std::min(line[k], before[k - 1] + kDiagonal);
+    }
+    for (int k = 0; k + 1 < count; ++k) {
+        line[k] = std::min(line[k], before[k + 1] + kDiagonal);
+    }
+}
+
 /// Two-pass chamfer distance inside the silhouette's rectangle, to the nearest zero. Beyond the rectangle nothing is
 /// known: whoever wants zeroes there puts them on its rim.
 void chamfer(const Silhouette& s, std::vector<float>& distance) {
-    const auto relax = [&](std::size_t cell, int column, int row, int dx, int dy, float step) {
-        if (s.contains(column + dx, row + dy)) {
-            distance[cell] = std::min(distance[cell], distance[cellIndex(column + dx, row + dy)] + step);
-        }
-    };
+    const int count = s.right - s.left + 1;
     for (int row = s.top; row <= s.bottom; ++row) {
-        for (int column = s.left; column <= s.right; ++column) {
-            const std::size_t i = cellIndex(column, row);
-            relax(i, column, row, -1, 0, 1.0F);
-            relax(i, column, row, -1, -1, kDiagonal);
-            relax(i, column, row, 0, -1, 1.0F);
-            relax(i, column, row, 1, -1, kDiagonal);
+        float* line = &distance[cellIndex(s.left, row)];
+        if (row > s.top) relaxLine(line, line - kCloudWidth, count);
+        for (int k = 1; k < count; ++k) {
+            line[k] = std::min(line[k], line[k - 1] + 1.0F);
         }
     }
     for (int row = s.bottom; row >= s.top; --row) {
-        for (int column = s.right; column >= s.left; --column) {
-            const std::size_t i = cellIndex(column, row);
-            relax(i, column, row, 1, 0, 1.0F);
-            relax(i, column, row, 1, 1, kDiagonal);
-            relax(i, column, row, 0, 1, 1.0F);
-            relax(i, column, row, -1, 1, kDiagonal);
+        float* line = &distance[cellIndex(s.left, row)];
+        if (row < s.bottom) relaxLine(line, line + kCloudWidth, count);
+        for (int k = count - 1; k-- > 0;) {
+            line[k] = std::min(line[k], line[k + 1] + 1.0F);
         }
     }
 }
