@@ -1,12 +1,18 @@
 #include "fitting/tracking/components.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace cheval::fitting::tracking {
 namespace {
 
 constexpr float kTopBand = 0.14F;
+/// Bands of height in which widths are taken: from 1 m under the floor (where it is not known) upwards.
+constexpr std::size_t kBands = 80;
+constexpr float kBandHeight = 0.05F;
+constexpr float kLowestBand = -1.0F;
+constexpr float kWide = 0.85F;
 
 std::uint32_t findRoot(std::span<std::uint32_t> parents, std::uint32_t cell) {
     while (parents[cell] != cell) {
@@ -37,6 +43,7 @@ void add(Component& component, const Cloud& cloud, std::size_t cell) {
     const float side = cloud.cellSize(cloud.depth[cell]);
     component.area += side * side;
     component.touchesLeft |= cellColumn(cell) < 2;
+    component.touchesBottom |= cellRow(cell) >= kCloudHeight - 2;
     component.touchesRight |= cellColumn(cell) >= kCloudWidth - 2;
 }
 
@@ -89,17 +96,24 @@ void ComponentsJob::run() {
     float most[kMaximumComponents + 1];
     std::fill(std::begin(least), std::end(least), 1e3F);
     std::fill(std::begin(most), std::end(most), -1e3F);
+    std::array<std::array<float, kBands>, kMaximumComponents + 1> areas{};
     for (std::size_t cell = 0; cell < kCloudCells; ++cell) {
         const std::uint8_t label = labels[cell];
-        if (label == 0 || cloud->y[cell] < components[label].upper.y() - kTopBand) continue;
+        if (label == 0) continue;
+        const float band = std::clamp((cloud->y[cell] - kLowestBand) / kBandHeight, 0.0F, kBands - 1.0F);
+        const float cellSide = cloud->cellSize(cloud->depth[cell]);
+        areas[label][static_cast<std::size_t>(band)] += cellSide * cellSide;
+        if (cloud->y[cell] < components[label].upper.y() - kTopBand) continue;
         least[label] = std::min(least[label], cloud->x[cell]);
         most[label] = std::max(most[label], cloud->x[cell]);
-        const float side = cloud->cellSize(cloud->depth[cell]);
-        components[label].topArea += side * side;
+        components[label].topArea += cellSide * cellSide;
     }
     for (std::size_t i = 1; i <= count; ++i) {
         components[i].centroid /= static_cast<float>(components[i].cells);
         components[i].topWidth = std::max(0.0F, most[i] - least[i]);
+        for (const float area : areas[i]) {
+            if (area > kWide * kBandHeight) components[i].wideHeight += kBandHeight;
+        }
     }
 }
 

@@ -5,8 +5,9 @@
 namespace cheval::fitting::tracking {
 namespace {
 
-/// Share of a new reading in the filtered velocity, at 30 frames a second and at half that.
+/// Seconds over which the velocities of hands and of the whole person are averaged.
 constexpr float kVelocitySpan = 0.05F;
+constexpr float kWalkSpan = 0.25F;
 
 void append(Hands& hands, const GestureEvent& event) {
     if (hands.gestureCount < kMaximumGestures) hands.gestures[hands.gestureCount++] = event;
@@ -21,6 +22,7 @@ float between(hal::TimePoint from, hal::TimePoint to) {
 void GestureReader::reset() {
     watches_ = {};
     userId_ = 0;
+    neckVelocity_.setZero();
 }
 
 void GestureReader::update(const hal::DepthFrame& frame, const Skeleton& skeleton, float stature, Hands& hands) {
@@ -31,10 +33,17 @@ void GestureReader::update(const hal::DepthFrame& frame, const Skeleton& skeleto
     userId_ = skeleton.userId;
     lastTime_ = now.time;
     const Eigen::Vector3f neck = skeleton[Joint::neck].position;
+    if (elapsed > 0.0F && elapsed < 0.5F) {
+        const float weight = 1.0F - std::exp(-elapsed / kWalkSpan);
+        neckVelocity_ += weight * ((neck - lastNeck_) / (elapsed * stature) - neckVelocity_);
+    }
+    lastNeck_ = neck;
+    const bool walking = neckVelocity_.norm() > options_.walkingSpeed;
     // Sideways as the shopper sees it is sideways before the glass: the trunk may turn while the hand swipes.
     for (const Side side : {Side::left, Side::right}) {
         HandWatch& watch = watches_[index(side)];
-        const Hand& hand = hands[side];
+        Hand hand = hands[side];
+        hand.raised = hand.raised && !walking;
         const Eigen::Vector3f about = (hand.position - neck) / stature;
         const Eigen::Vector2f at(-about.x(), about.y());
         if (watch.seen && elapsed > 0.0F && elapsed < 0.5F) {
@@ -48,7 +57,7 @@ void GestureReader::update(const hal::DepthFrame& frame, const Skeleton& skeleto
         watchSwipe(watch, now, at, hand.raised, side, hands);
         watchGrab(watch, now, hand, side, hands);
         const Joint shoulder = side == Side::left ? Joint::leftShoulder : Joint::rightShoulder;
-        watchRaise(watch, now, hand.position.y() > skeleton[shoulder].position.y(), side, hands);
+        watchRaise(watch, now, hand.raised && hand.position.y() > skeleton[shoulder].position.y(), side, hands);
     }
 }
 

@@ -24,6 +24,7 @@ struct GestureOptions {
     float grabClosedMost = 3.0F;    ///< … and at most, before it opens again.
     float raiseHold = 0.20F;        ///< Seconds above the shoulder.
     float raiseRest = 0.30F;        ///< Seconds below it before another raise counts.
+    float walkingSpeed = 0.30F;     ///< Statures a second of the neck: who walks does not gesture.
 };
 
 /// Watches both hands. One gesture, one event, reported in the frame that completes it. Thread-bound.
@@ -71,6 +72,8 @@ class GestureReader {
     std::array<HandWatch, kSideCount> watches_{};
     std::uint32_t userId_ = 0;
     hal::TimePoint lastTime_{};
+    Eigen::Vector3f lastNeck_ = Eigen::Vector3f::Zero();
+    Eigen::Vector3f neckVelocity_ = Eigen::Vector3f::Zero();  ///< Statures a second.
 };
 
 }  // namespace cheval::fitting::tracking

@@ -11,18 +11,28 @@ namespace {
 constexpr float kFloorBand = 0.045F;
 /// How far beyond the zone limbs may reach and people are still told apart from the wall.
 constexpr float kZoneMargin = 0.7F;
+/// Shoes may return no depth; legs begin at least this near the floor.
+constexpr float kStandsWithin = 0.32F;
 constexpr float kWalkedMetres = 0.35F;
 /// What has never walked and has not changed its outline for this long is a mannequin.
 constexpr double kMannequinSeconds = 10.0;
 constexpr double kForgetSeconds = 2.0;
+/// An active user that never walked and has been this still gives way to somebody who walks.
+constexpr double kDoubtSeconds = 2.0;
+/// A centroid that has gone this far has moved; noise and flicker move it by less than a centimetre.
+constexpr float kMovedMetres = 0.03F;
+/// How far behind and before a person's centroid a piece of that person may lie.
+constexpr float kDeepestBehind = 0.50F;
+constexpr float kFarthestBefore = 1.0F;
 
 }  // namespace
 
-bool looksLikePerson(const Component& component) {
+bool looksLikePerson(const Component& component, bool floorKnown) {
     const Eigen::Vector3f size = component.upper - component.lower;
     if (component.area < 0.07F || component.area > 1.5F) return false;
     if (size.y() < 0.40F || size.x() > 2.1F || size.z() > 1.6F) return false;
     if (component.upper.y() < 0.6F || component.upper.y() > 2.45F) return false;
+    if (floorKnown && component.lower.y() > kStandsWithin && !component.touchesBottom) return false;
     return !looksLikeScenery(component);
 }
 
@@ -30,6 +40,10 @@ bool looksLikeScenery(const Component& component) {
     const Eigen::Vector3f size = component.upper - component.lower;
     if (component.area > 2.0F || size.x() > 2.4F) return true;
     if (component.touchesLeft && component.touchesRight) return true;
+    // People are slender, or they spread thin arms: what is wide and fills its rectangle is a piece of wall or
+    // furniture.
+    if (component.wideHeight > 0.22F) return true;
+    if (size.x() > 0.72F && component.area > 0.58F * size.x() * size.y()) return true;
     // A shelf, a rail or a box is wide and filled at the top, where a person has a head (or two hands far apart).
     constexpr float kTopBand = 0.14F;
     return component.area > 0.05F && component.topWidth > 0.36F &&
@@ -87,7 +101,7 @@ void People::update(const Cloud& cloud, hal::TimePoint time, bool floorKnown) {
     }
     assignComponents();
     for (std::size_t i = 1; i <= componentCount_; ++i) {
-        if (owner_[i] == 0 && looksLikePerson(components_[i])) adopt(i, time);
+        if (owner_[i] == 0 && looksLikePerson(components_[i], floorKnown)) adopt(i, time);
     }
     attachFragments();
     labelCells(cloud);
@@ -136,8 +150,8 @@ void People::assignComponents() {
         if (*best < std::max(4, significant)) continue;
         const auto person = static_cast<std::size_t>(best - cells.begin());
         // The same place at another depth is another thing: somebody who stepped in front, or the wall behind.
-        const float away = std::abs(components_[i].centroid.z() - people_[person].centroid.z());
-        if (people_[person].id == 0 || away > 0.8F) continue;
+        const float behind = components_[i].centroid.z() - people_[person].centroid.z();
+        if (people_[person].id == 0 || behind > kDeepestBehind || behind < -kFarthestBefore) continue;
         owner_[i] = static_cast<std::uint8_t>(person + 1);
         people_[person].seen = true;
         for (std::size_t other = 0; other < kMaximumUsers; ++other) {
@@ -171,7 +185,7 @@ void People::adopt(std::size_t component, hal::TimePoint time) {
         if (place == nullptr) return;
         *place = Person{};
         place->id = nextId_++;
-        place->birthplace = centroid;
+        place->birthplace = place->restingPlace = centroid;
         place->lastMoved = time;
     }
     place->seen = true;
@@ -198,6 +212,7 @@ void People::attachFragments() {
             reach.min() -= Eigen::Vector3f(0.15F, 0.10F, 0.55F);
             reach.max() += Eigen::Vector3f(0.15F, 0.20F, 0.05F);
             if (!reach.contains(fragment.centroid)) continue;
+            if (fragment.centroid.z() > people_[person].centroid.z() + kDeepestBehind) continue;
             const float away = (boxes[person].center() - fragment.centroid).norm();
             if (away < nearest) {
                 nearest = away;
@@ -234,12 +249,7 @@ void People::labelCells(const Cloud& cloud) {
 
 void People::measurePeople(const Cloud& cloud, hal::TimePoint time) {
     std::array<Component, kMaximumUsers> sums{};
-    std::array<int, kMaximumUsers> changed{};
     for (std::size_t i = 0; i < kCloudCells; ++i) {
-        if (labels_[i] != previousLabels_[i]) {
-            if (labels_[i] != 0) ++changed[labels_[i] - 1U];
-            if (previousLabels_[i] != 0) ++changed[previousLabels_[i] - 1U];
-        }
         if (labels_[i] == 0) continue;
         Component& sum = sums[labels_[i] - 1U];
         const Eigen::Vector3f point = cloud.point(i);
@@ -256,8 +266,10 @@ void People::measurePeople(const Cloud& cloud, hal::TimePoint time) {
         person.centroid = sum.centroid / static_cast<float>(sum.cells);
         person.lastSeen = time;
         if ((person.centroid - person.birthplace).head<3>().norm() > kWalkedMetres) person.walked = true;
-        // The sensor's ragged outlines flicker by a few percent.
-        if (changed[k] * 12 > sum.cells) person.lastMoved = time;
+        if ((person.centroid - person.restingPlace).norm() > kMovedMetres) {
+            person.restingPlace = person.centroid;
+            person.lastMoved = time;
+        }
         if (!person.walked && hal::seconds(time - person.lastMoved) > kMannequinSeconds) {
             // Stands like furniture: let the background have it.
             person = Person{};
@@ -285,18 +297,22 @@ void People::chooseActive(hal::TimePoint time) {
     users_.count = 0;
     const Person* nearest = nullptr;
     const Person* held = nullptr;
+    // Whoever has walked comes before what has stood still since it was first seen: that may be a mannequin yet.
+    const auto better = [](const Person& a, const Person& b) {
+        return a.walked != b.walked ? a.walked : a.centroid.z() < b.centroid.z();
+    };
     for (const Person& person : people_) {
         if (person.id == 0) continue;
         if (person.id == activeId_) held = &person;
         if (!person.seen) continue;
         users_.users[users_.count++] = person.user;
-        if (zone_.contains(person.centroid) && (nearest == nullptr || person.centroid.z() < nearest->centroid.z())) {
-            nearest = &person;
-        }
+        if (zone_.contains(person.centroid) && (nearest == nullptr || better(person, *nearest))) nearest = &person;
     }
     const bool gone = held == nullptr || hal::seconds(time - held->lastSeen) > kDwellSeconds ||
                       (held->seen && !zone_.contains(held->centroid));
-    if (gone) activeId_ = nearest == nullptr ? 0 : nearest->id;
+    const bool doubtful = held != nullptr && !held->walked && nearest != nullptr && nearest->walked &&
+                          hal::seconds(time - held->lastMoved) > kDoubtSeconds;
+    if (gone || doubtful) activeId_ = nearest == nullptr ? 0 : nearest->id;
     users_.activeId = activeId_;
 }
 

@@ -27,8 +27,9 @@ struct Zone {
 };
 
 /// True for a component that may be a person: by area, height, and a top as narrow as a head or hands rather than a
-/// shelf's. Children and people in wheelchairs included.
-bool looksLikePerson(const Component& component);
+/// shelf's, and, where the floor is known, by standing on it or being cut by the picture's lower edge (clothes on a
+/// rail hang). Children and people in wheelchairs included.
+bool looksLikePerson(const Component& component, bool floorKnown);
 /// True for what can only be a wall, a rack or furniture.
 bool looksLikeScenery(const Component& component);
 
@@ -56,8 +57,9 @@ class People {
         std::uint32_t id = 0;
         Eigen::Vector3f centroid = Eigen::Vector3f::Zero();
         Eigen::Vector3f birthplace = Eigen::Vector3f::Zero();
+        Eigen::Vector3f restingPlace = Eigen::Vector3f::Zero();  ///< Where the centroid last came to rest.
         hal::TimePoint lastSeen{};
-        hal::TimePoint lastMoved{};  ///< When its outline last changed.
+        hal::TimePoint lastMoved{};  ///< When it last left its resting place.
         bool walked = false;         ///< Left its birthplace at some time: no shop mannequin.
         bool seen = false;           ///< In this frame.
         User user;
