@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Checks of the house that no compiler makes: who may include whom, what no file may say, which folder has a README.
+"""Checks of the house that no compiler makes: who may include whom, what no file may say, which folder has a README,
+whether the list of packages is one.
 
-    tests/house/house_check.py [--root DIR] edges|words|readmes…
+    tests/house/house_check.py [--root DIR] edges|words|readmes|packages…
 
 Prints one line a fault, "file:line: what is wrong", and exits 1 if there is any.
 """
@@ -145,7 +146,25 @@ def check_readmes(root):
             yield f"{folder}/README.md:1: missing; one paragraph: what lives here, what it may include, what never belongs here"
 
 
-CHECKS = {"edges": check_edges, "words": check_words, "readmes": check_readmes}
+GROUPS = ("run", "build", "test")
+
+
+def check_packages(root):
+    path = "config/packages.txt"
+    seen = {}
+    for number, line in enumerate((root / path).read_text(encoding="utf-8").splitlines(), 1):
+        words = line.split("#")[0].split()
+        if not words:
+            continue
+        if len(words) != 2 or words[0] not in GROUPS or not re.fullmatch(r"[a-z0-9][a-z0-9.+-]+", words[1]):
+            yield f"{path}:{number}: '{line}' is not: GROUP PACKAGE # reason, with a GROUP of {', '.join(GROUPS)}"
+        elif words[1] in seen:
+            yield f"{path}:{number}: {words[1]} stands in line {seen[words[1]]} too"
+        else:
+            seen[words[1]] = number
+
+
+CHECKS = {"edges": check_edges, "words": check_words, "readmes": check_readmes, "packages": check_packages}
 
 
 def main():

@@ -113,6 +113,13 @@ class House(unittest.TestCase):
         faults = list(house_check.check_readmes(self.root))
         self.assertEqual([fault.split(":")[0] for fault in faults], ["hal/replay/README.md", "tests/bench/README.md"])
 
+    def test_the_list_of_packages_has_known_groups_and_names_each_once(self):
+        self.write("config/packages.txt", "# a comment\n\nrun   libegl1  # drawing\nbuild g++\n")
+        self.assertEqual(list(house_check.check_packages(self.root)), [])
+        self.write("config/packages.txt", "run libegl1\ntests g++\nbuild libegl1\nbuild\nbuild a b\n")
+        faults = list(house_check.check_packages(self.root))
+        self.assertEqual([fault.split(":")[1] for fault in faults], ["2", "3", "4", "5"])
+
 
 if __name__ == "__main__":
     unittest.main()
