@@ -92,7 +92,7 @@ std::shared_ptr<const JpegPicture> JpegStream::encode(void* compressor, const Pr
 }
 
 void JpegStream::run() {
-    const tjhandle compressor = tjInitCompress();
+    void* const compressor = tjInitCompress();
     PreviewDisplay::Picture picture;
     while (compressor != nullptr && display_.take(picture)) {
         auto jpeg = encode(compressor, picture);

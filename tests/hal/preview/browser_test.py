@@ -76,6 +76,9 @@ class Driver:
     def run(self, script):
         return self.call("POST", "/execute/sync", {"script": script, "args": []})
 
+    def next_frame(self):
+        self.call("POST", "/execute/async", {"script": "requestAnimationFrame(arguments[0]);", "args": []})
+
     def click(self, selector):
         found = self.call("POST", "/element", {"using": "css selector", "value": selector})
         self.call("POST", f"/element/{next(iter(found.values()))}/click")
@@ -124,8 +127,8 @@ def wait_for_line(process, pattern):
     return found[0]
 
 
-def until(what, condition):
-    """Asks again and again until it holds. The limit fails the test; how long it takes does not matter."""
+def until(driver, what, condition):
+    """Asks once a frame of the page until it holds. The limit fails the test; how long it takes does not matter."""
     end = time.monotonic() + LIMIT
     while True:
         value = condition()
@@ -133,7 +136,7 @@ def until(what, condition):
             return value
         if time.monotonic() > end:
             raise Failure(f"never came about: {what}")
-        time.sleep(0.05)
+        driver.next_frame()
 
 
 def difference(one, other):
@@ -148,34 +151,34 @@ def central(grid):
 
 def look(driver, address, arguments):
     driver.call("POST", "/url", {"url": address})
-    until("the picture is there", lambda: driver.run("return document.getElementById('picture').naturalWidth > 0"))
-    until("the status line says Live", lambda: driver.run("return document.getElementById('line').dataset.state") == "live")
+    until(driver, "the picture is there", lambda: driver.run("return document.getElementById('picture').naturalWidth > 0"))
+    until(driver, "the status line says Live", lambda: driver.run("return document.getElementById('line').dataset.state") == "live")
 
     first = driver.run(GRID)
     if max(first) - min(first) < 10:
         raise Failure("the picture is of one colour")
-    until("the picture changes by itself", lambda: difference(first, driver.run(GRID)) > 0.05)
+    until(driver, "the picture changes by itself", lambda: difference(first, driver.run(GRID)) > 0.05)
 
     def mirror():
         return driver.run("const r = new XMLHttpRequest(); r.open('GET', '/status.json', false); r.send(); return JSON.parse(r.responseText);")
 
     before = mirror()
     if arguments.expect_status_change:
-        until("the page shows the mirror's status", lambda: driver.run("return document.getElementById('status').textContent"))
+        until(driver, "the page shows the mirror's status", lambda: driver.run("return document.getElementById('status').textContent"))
     # How much the middle changes by itself, as a measure for what Next changes.
     samples = [central(driver.run(GRID)) for _ in range(20)]
     still = max(difference(samples[0], sample) for sample in samples)
     driver.click("button[data-button=next]")
-    until("the mirror takes Next", lambda: mirror()["buttons"] == before["buttons"] + 1)
+    until(driver, "the mirror takes Next", lambda: mirror()["buttons"] == before["buttons"] + 1)
     if arguments.expect_status_change:
-        until("the status line changes with Next", lambda: mirror()["status"] != before["status"])
-    until(f"the picture differs after Next by more than {arguments.differ} (by itself: {still:.1f})",
+        until(driver, "the status line changes with Next", lambda: mirror()["status"] != before["status"])
+    until(driver, f"the picture differs after Next by more than {arguments.differ} (by itself: {still:.1f})",
           lambda: min(difference(central(driver.run(GRID)), sample) for sample in samples) > arguments.differ)
 
     for code, name in (("\ue014", "right"), ("\ue012", "left"), ("\ue013", "up")):
         count = mirror()["buttons"]
         driver.key(code)
-        until(f"the mirror takes the {name} arrow key", lambda: mirror()["buttons"] > count)
+        until(driver, f"the mirror takes the {name} arrow key", lambda: mirror()["buttons"] > count)
 
     if arguments.screenshot:
         import base64

@@ -31,7 +31,7 @@ struct Decoded {
 
 Decoded decode(const std::string& jpeg) {
     Decoded decoded;
-    const tjhandle handle = tjInitDecompress();
+    void* const handle = tjInitDecompress();
     int sampling = 0;
     int colours = 0;
     const auto* bytes = reinterpret_cast<const unsigned char*>(jpeg.data());
