@@ -19,9 +19,9 @@ struct RingHeights {
 };
 constexpr std::array<RingHeights, kTrunkLastRing + 1> kTrunkRings = {
     {{0.838, 0.900, 0.836}, {0.888, 0.928, 0.886}, {0.936, 0.956, 0.936}, {0.990, 1.000, 0.992},
-     {1.048, 1.050, 1.048}, {1.108, 1.108, 1.108}, {1.170, 1.170, 1.170}, {1.230, 1.240, 1.234},
-     {1.284, 1.302, 1.292}, {1.324, 1.345, 1.334}, {1.360, 1.388, 1.375}, {1.393, 1.424, 1.413},
-     {1.418, 1.449, 1.447}, {1.440, 1.474, 1.478}, {1.480, 1.503, 1.512}, {1.519, 1.534, 1.546},
+     {1.048, 1.050, 1.048}, {1.108, 1.108, 1.108}, {1.166, 1.166, 1.166}, {1.222, 1.228, 1.224},
+     {1.274, 1.283, 1.279}, {1.317, 1.328, 1.322}, {1.353, 1.373, 1.364}, {1.385, 1.416, 1.404},
+     {1.412, 1.441, 1.441}, {1.437, 1.468, 1.477}, {1.480, 1.502, 1.512}, {1.519, 1.534, 1.546},
      {1.560, 1.573, 1.585}, {1.610, 1.618, 1.626}, {1.658, 1.664, 1.668}, {1.702, 1.706, 1.708}}};
 
 /// A ring round a limb: where its plane cuts the axis on the column-0 side, and how much further on the other side.
@@ -137,7 +137,7 @@ class Placer {
         const std::array<Vec2, kThumbColumns> kOutline = {Vec2{-0.8, 0.75}, Vec2{0.0, 1.0},  Vec2{0.8, 0.75},
                                                           Vec2{0.8, -0.75}, Vec2{0.0, -1.0}, Vec2{-0.8, -0.75}};
         const Vec2& outline = kOutline[static_cast<std::size_t>(column)];
-        const double along = ring == 1 ? 0.62 : 1.04;
+        const double along = ring == 1 ? 0.66 : 1.02;
         const double radius = ring == 1 ? 0.0125 : 0.0085;
         // `side` points towards the tip of the hand or away from it, by the handedness of the frame.
         const double sign = side.dot(field_.armLoft().shape().axis) > 0.0 ? 1.0 : -1.0;
@@ -179,29 +179,79 @@ class Placer {
     const BodyTopology& topology_;
 };
 
-/// Pulls the vertices of the left half onto the level set and copies them to the right.
-void settle(QuadMesh& mesh, const std::vector<std::uint8_t>& left, const Field& field, double level) {
+/// How a vertex is laid onto the skin: along the surface's slope, or, where the flesh is thin and comes to an end,
+/// straight out from its middle.
+enum class Zone : std::uint8_t { skin, hand, thumb, foot };
+
+std::vector<Zone> zonesOf(const QuadMesh& mesh) {
+    std::vector<Zone> zones(mesh.positions.size(), Zone::skin);
+    for (const QuadMesh::Quad& quad : mesh.quads) {
+        for (std::size_t c = 0; c < 4; ++c) {
+            Zone& zone = zones[quad.vertex[c]];
+            const double ring = quad.lattice[c].x();
+            if (quad.chart == Chart::leftArm && ring > kThumbFirstRing + 2.2 && zone == Zone::skin) zone = Zone::hand;
+            if (quad.chart == Chart::leftThumb && ring > 1.0) zone = Zone::thumb;
+            if (quad.chart == Chart::leftLeg && ring > kAnkleRing + 3.2) zone = Zone::foot;
+        }
+    }
+    return zones;
+}
+
+Vec3 layOut(const BodyField& field, Zone zone, const Vec3& place) {
+    constexpr double kReach = 0.12;
+    const auto castFrom = [&](const Vec3& anchor, const Field& flesh) {
+        return castOut(flesh, anchor, (place - anchor).normalized(), kReach);
+    };
+    const auto along = [&](const Loft& loft, double from, double to) {
+        return loft.centre(std::clamp((place - loft.shape().origin).dot(loft.shape().axis), from, to));
+    };
+    switch (zone) {
+        case Zone::hand:
+            return castFrom(along(field.armLoft(), 0.5, 0.690), [&](const Vec3& p) { return field.arm(p); });
+        case Zone::foot:
+            return castFrom(along(field.footLoft(), -0.015, 0.158), [&](const Vec3& p) { return field.leg(p); });
+        case Zone::thumb: {
+            const Vec3 root = field.thumbRoot();
+            const Vec3 thumb = field.thumbTip() - root;
+            const double t = std::clamp((place - root).dot(thumb) / thumb.squaredNorm(), 0.0, 0.95);
+            return castFrom(root + t * thumb, [&](const Vec3& p) { return field.whole(p); });
+        }
+        case Zone::skin:
+            break;
+    }
+    return place;
+}
+
+/// Lays the vertices of the left half onto the skin and copies them to the right.
+void settle(QuadMesh& mesh, const std::vector<std::uint8_t>& left, const BodyField& field) {
+    const std::vector<Zone> zones = zonesOf(mesh);
+    const Field whole = [&](const Vec3& p) { return field.whole(p); };
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-        if (left[v] != 0) mesh.positions[v] = project(field, mesh.positions[v], level, mesh.onMidPlane(v));
+        if (left[v] == 0) continue;
+        mesh.positions[v] = project(whole, layOut(field, zones[v], mesh.positions[v]), 0.0, mesh.onMidPlane(v));
     }
     mirrorPositions(mesh, left);
 }
 
-/// Evens the quads out along the surface: each vertex goes part of the way to its neighbours' mean.
-void relax(QuadMesh& mesh, const std::vector<std::uint8_t>& left, const Field& field, int rounds, double share) {
+/// Evens the quads out along the surface: each vertex goes part of the way to its neighbours' mean. Ends of limbs stay.
+void relax(QuadMesh& mesh, const std::vector<std::uint8_t>& left, const BodyField& field, int rounds, double share) {
     const auto around = neighbours(mesh);
+    const std::vector<Zone> zones = zonesOf(mesh);
+    const Field whole = [&](const Vec3& p) { return field.whole(p); };
     for (int round = 0; round < rounds; ++round) {
         std::vector<Vec3> moved = mesh.positions;
         for (std::size_t v = 0; v < moved.size(); ++v) {
+            if (left[v] == 0 || zones[v] != Zone::skin) continue;
             Vec3 mean = Vec3::Zero();
             for (const std::uint32_t other : around[v]) {
                 mean += mesh.positions[other];
             }
-            mean /= static_cast<double>(around[v].size());
-            moved[v] += share * (mean - moved[v]);
+            const Vec3 step = mean / static_cast<double>(around[v].size()) - moved[v];
+            const Vec3 normal = gradient(whole, mesh.positions[v]).normalized();
+            moved[v] = project(whole, moved[v] + share * (step - step.dot(normal) * normal), 0.0, mesh.onMidPlane(v));
         }
         mesh.positions = std::move(moved);
-        settle(mesh, left, field, 0.0);
+        mirrorPositions(mesh, left);
     }
 }
 
@@ -249,21 +299,25 @@ BodyModel makeBody() {
         if (coarseLeft[v] != 0) coarse.positions[v] = placer.place(v);
     }
     mirrorPositions(coarse, coarseLeft);
-    settle(coarse, coarseLeft, whole, 0.0);
-    relax(coarse, coarseLeft, whole, 4, 0.25);
+    settle(coarse, coarseLeft, model.field);
+    relax(coarse, coarseLeft, model.field, 4, 0.25);
 
     model.fine = coarse;
     for (int level = 0; level < kSubdivisions; ++level) {
         model.fine = subdivide(model.fine);
         model.fineLeft = leftHalf(model.fine);
-        settle(model.fine, model.fineLeft, whole, 0.0);
-        relax(model.fine, model.fineLeft, whole, 2, 0.3);
+        settle(model.fine, model.fineLeft, model.field);
+        relax(model.fine, model.fineLeft, model.field, 2, 0.3);
     }
     // The cage's vertices are the fine mesh's first ones, moved out.
     QuadMesh cage = coarse;
     std::copy_n(model.fine.positions.begin(), cage.positions.size(), cage.positions.begin());
     coarse.positions = cage.positions;
-    settle(cage, coarseLeft, whole, kCageDistance);
+    for (std::size_t v = 0; v < cage.positions.size(); ++v) {
+        if (coarseLeft[v] == 0) continue;
+        cage.positions[v] = project(whole, cage.positions[v], kCageDistance, cage.onMidPlane(v));
+    }
+    mirrorPositions(cage, coarseLeft);
     model.fineWeights = skinningWeights(model.fine, model.field);
 
     Body& body = model.body;

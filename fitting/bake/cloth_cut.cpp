@@ -56,6 +56,11 @@ Placement placed(const QuadMesh::Quad& quad, Panel panel, int rowSign, int colum
     return placement;
 }
 
+/// Noise with the narrow crests and wide valleys of folded cloth, about −1…1.
+double crease(const Vec3& place) {
+    return 1.0 - 2.6 * std::sqrt(std::pow(smoothNoise(place), 2.0) + 0.006);
+}
+
 Vec3 mirrorX(const Vec3& point) {
     return {-point.x(), point.y(), point.z()};
 }
@@ -82,33 +87,42 @@ Vec3 trunkAxis(const BodyModel& model, double y) {
     return {0.0, y, centre.z()};
 }
 
-/// Lets one column of a top fall from the chest: it narrows no faster than it is tailored, and never into the body.
+/// One column of a top between chest and hem: cut straight, drawn in a little at the waist, and never into the body.
 class Fall {
   public:
-    Fall(const BodyModel& model, double taper) : model_(model), taper_(taper) {}
-    [[nodiscard]] Vec3 next(const Vec3& skin, double ease) {
-        const Vec3 axis = trunkAxis(model_, skin.y());
-        Vec3 outward = skin - axis;
-        outward.y() = 0.0;
-        const double skinRadius = outward.norm();
-        outward /= skinRadius;
-        radius_ = started_ ? std::max(skinRadius + ease, radius_ - taper_ * (y_ - skin.y())) : skinRadius + ease;
-        started_ = true;
-        y_ = skin.y();
-        direction_ = outward;
-        return axis + radius_ * outward;
+    struct End {
+        Vec3 skin;
+        double ease;
+    };
+    Fall(const BodyModel& model, const End& chest, const End& hem, double waisting)
+        : model_(model), chest_(at(chest)), hem_(at(hem)), waisting_(waisting) {}
+
+    [[nodiscard]] Vec3 over(const Vec3& skin, double ease) const {
+        const Place body = at({skin, ease});
+        const double way = (chest_.y - body.y) / (chest_.y - hem_.y);
+        const double straight = chest_.radius + way * (hem_.radius - chest_.radius);
+        const double radius = std::max(body.radius, straight - waisting_ * std::sin(std::numbers::pi * way));
+        return trunkAxis(model_, body.y) + radius * body.outward;
     }
-    /// Straight down below the last point.
+    /// Straight down below the hem's ring.
     [[nodiscard]] Vec3 hang(double y) const {
-        return trunkAxis(model_, y_) + radius_ * direction_ + Vec3(0.0, y - y_, 0.0);
+        return trunkAxis(model_, hem_.y) + hem_.radius * hem_.outward + Vec3(0.0, y - hem_.y, 0.0);
     }
 
   private:
+    struct Place {
+        double radius, y;
+        Vec3 outward;
+    };
+    [[nodiscard]] Place at(const End& end) const {
+        Vec3 outward = end.skin - trunkAxis(model_, end.skin.y());
+        outward.y() = 0.0;
+        const double radius = outward.norm();
+        return {radius + end.ease, end.skin.y(), outward / radius};
+    }
     const BodyModel& model_;
-    double taper_;
-    bool started_ = false;
-    double radius_ = 0.0, y_ = 0.0;
-    Vec3 direction_ = Vec3::UnitZ();
+    Place chest_, hem_;
+    double waisting_;
 };
 
 }  // namespace
@@ -177,15 +191,16 @@ Cloth cutTop(const BodyModel& model, const TopCut& cut) {
     for (int column = -columns / 2 + 1; column <= columns / 2; ++column) {
         const double angle = 2.0 * std::numbers::pi * column / columns;
         const double sideways = std::sin(angle) * std::sin(angle);
-        Fall fall(model, 0.06 + 0.05 * sideways + (std::cos(angle) < 0.0 ? 0.05 * (1.0 - sideways) : 0.0));
         const auto at = [&](int row) {
             const int latticeColumn = column < 0 || grid.contains({Chart::trunk, {row, column}}) ? column : -column;
             return grid.at({Chart::trunk, {row, latticeColumn}});
         };
+        const double hemEase = cut.ease + 0.008;
+        const Fall fall(model, {skin[at(quarters(kChestRing))], cut.ease}, {skin[at(quarters(kHemRing))], hemEase},
+                        0.006 + 0.010 * sideways);
         for (int row = quarters(kChestRing); row >= quarters(kHemRing); --row) {
             const std::uint32_t v = at(row);
-            const double drop = smoothStep(8.0, 6.0, static_cast<double>(row) / kQuarter);
-            cloth.positions[v] = fall.next(skin[v], cut.ease + 0.004 * drop);
+            cloth.positions[v] = fall.over(skin[v], cut.ease);
         }
         const std::uint32_t hem = at(quarters(kHemRing));
         hangingRows[column].push_back(hem);
@@ -210,26 +225,30 @@ Cloth cutTop(const BodyModel& model, const TopCut& cut) {
             tailor.addFace(face);
         }
     }
+    // Below the waist a top leaves room for what is worn under it.
+    const auto roomFor = [](const Vec3& place) {
+        return kClearance + 0.0150 * smoothStep(1.10, 0.95, place.y()) * smoothStep(0.30, 0.24, std::abs(place.x()));
+    };
     tailor.smooth(10, 0.5);
-    tailor.clear(kClearance + 0.002);
+    tailor.clear([&](const Vec3& place) { return roomFor(place) + 0.002; });
+    tailor.smooth(4, 0.4);
     tailor.fold([&](const Vec3& place, const Vec3&) {
         // Folds run down from the chest, slantwise from the armpits, and round the sleeves.
         const double below = smoothStep(1.32, 0.95, place.y());
         const double lean = 0.22 * place.x() * smoothStep(1.05, 1.35, place.y());
-        const double down = smoothNoise({(place.x() + lean) * 17.0 + 3.1, place.y() * 3.0, place.z() * 17.0}) +
-                            0.5 * smoothNoise({place.x() * 30.0, place.y() * 5.0 + 9.7, place.z() * 30.0});
+        const double down = crease({(place.x() + lean) * 15.0 + 3.1, place.y() * 2.6, place.z() * 15.0}) +
+                            0.5 * crease({place.x() * 26.0, place.y() * 4.5 + 9.7, place.z() * 26.0});
         const double slant = std::abs(place.x()) * 0.75 + place.y() * 0.65;
         const double armpit = smoothStep(0.20, 0.03, (Vec3(std::abs(place.x()) - 0.18, place.y() - 1.29, 0.0)).norm());
-        const double pull = smoothNoise({slant * 34.0, place.x() > 0.0 ? 2.3 : 7.9, place.z() * 9.0});
+        const double pull = crease({slant * 24.0, place.x() > 0.0 ? 2.3 : 7.9, place.z() * 7.0});
         const double sleeve = smoothStep(0.21, 0.26, std::abs(place.x()));
         const double along = (std::abs(place.x()) - place.y()) * std::numbers::sqrt2 / 2.0;
-        const double round =
-            smoothNoise({along * 26.0, place.z() * 12.0 + (place.x() > 0.0 ? 0.0 : 5.0), place.y() * 6.0});
+        const double round = crease({along * 22.0, place.z() * 12.0 + (place.x() > 0.0 ? 0.0 : 5.0), place.y() * 6.0});
         return cut.foldDepth *
                ((1.0 - sleeve) * (below * down + 0.8 * armpit * pull) + sleeve * (0.25 + 0.55 * below + 0.25) * round);
     });
     tailor.smooth(1, 0.35);
-    tailor.clear(kClearance);
+    tailor.clear(roomFor);
     tailor.weighHanging();
     tailor.turnEdges(kClothThickness);
     return std::move(cloth);
@@ -263,7 +282,7 @@ Cloth cutTrousers(const BodyModel& model, const TrousersCut& cut) {
     const std::vector<Vec3> skin = cloth.positions;
     const Spline hipEase(std::array{0.0, 1.0, 2.0, 3.0, 3.3}, std::array{0.0115, 0.0095, 0.0075, 0.0058, 0.0058});
     // The leg's radius at each place along it: straight from the thigh, a little narrower at the knee.
-    const Spline cutRadius(std::array{0.10, 0.20, 0.415, 0.60, 0.82}, std::array{0.099, 0.093, 0.077, 0.074, 0.073});
+    const Spline cutRadius(std::array{0.10, 0.20, 0.415, 0.60, 0.82}, std::array{0.096, 0.092, 0.077, 0.074, 0.073});
     const Loft& leg = model.field.legLoft();
     for (const auto& [key, v] : grid) {
         const double ring = static_cast<double>(key.second.row) / kQuarter;
@@ -335,22 +354,22 @@ Cloth cutTrousers(const BodyModel& model, const TrousersCut& cut) {
         }
     }
     tailor.smooth(8, 0.5);
-    tailor.clear(kClearance + 0.0015);
+    tailor.clear([](const Vec3&) { return kClearance + 0.0015; });
     tailor.fold([&](const Vec3& place, const Vec3&) {
         // Creases fan out from the crotch, gather behind the knee and break above the shoe.
         const double crotch = smoothStep(0.22, 0.04, std::hypot(place.x(), place.y() - 0.80));
-        const double fan = smoothNoise({std::atan2(place.y() - 0.80, std::abs(place.x())) * 5.0,
-                                        place.x() > 0.0 ? 1.7 : 6.2, place.z() > 0.0 ? 0.0 : 3.0});
+        const double fan = crease({std::atan2(place.y() - 0.80, std::abs(place.x())) * 5.0, place.x() > 0.0 ? 1.7 : 6.2,
+                                   place.z() > 0.0 ? 0.0 : 3.0});
         const double knee = std::exp(-std::pow((place.y() - 0.48) / 0.09, 2.0)) * (place.z() < 0.0 ? 1.0 : 0.35);
         const double ankle = smoothStep(0.30, 0.10, place.y());
         const double across =
-            smoothNoise({place.x() * 11.0, place.y() * 26.0 + 0.35 * smoothNoise(9.0 * place), place.z() * 11.0});
-        const double down = smoothNoise({place.x() * 20.0, place.y() * 3.0, place.z() * 20.0 + 4.0});
+            crease({place.x() * 9.0, place.y() * 22.0 + 0.35 * smoothNoise(9.0 * place), place.z() * 11.0});
+        const double down = crease({place.x() * 17.0, place.y() * 3.0, place.z() * 17.0 + 4.0});
         return cut.foldDepth * (0.9 * crotch * fan + (0.9 * knee + 1.1 * ankle) * across +
                                 0.45 * smoothStep(0.95, 0.75, place.y()) * down);
     });
     tailor.smooth(1, 0.35);
-    tailor.clear(kClearance);
+    tailor.clear([](const Vec3&) { return kClearance; });
     tailor.weighHanging();
     tailor.turnEdges(kClothThickness);
     return std::move(cloth);

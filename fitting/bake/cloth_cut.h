@@ -13,7 +13,10 @@ namespace cheval::fitting::bake {
 /// A place in a garment's own grid: quarter rings and quarter columns, rows growing downwards or towards the hand.
 struct GridPlace {
     int row = 0, column = 0;
-    friend auto operator<=>(const GridPlace&, const GridPlace&) = default;
+    friend bool operator==(const GridPlace&, const GridPlace&) = default;
+    friend bool operator<(const GridPlace& a, const GridPlace& b) {
+        return a.row != b.row ? a.row < b.row : a.column < b.column;
+    }
 };
 
 /// Pieces as a tailor has them. Tops: front, back, sleeves. Trousers: one front and one back a leg.
@@ -38,9 +41,9 @@ struct Cloth {
 struct TopCut {
     double sleeveRing = 5.5;    ///< Arm ring at which the sleeve ends.
     double hemHeight = 0.838;   ///< Metres above the floor.
-    double ease = 0.012;        ///< Metres at the chest.
+    double ease = 0.016;        ///< Metres at the chest.
     double sleeveEase = 0.020;  ///< Metres below the arm at the sleeve's hem.
-    double foldDepth = 0.0045;  ///< Metres.
+    double foldDepth = 0.0100;  ///< Metres.
 };
 Cloth cutTop(const BodyModel& model, const TopCut& cut);
 
@@ -48,7 +51,7 @@ struct TrousersCut {
     double hemRing = 12.75;     ///< Leg ring at which they end, or from which they hang on.
     double hang = 0.045;        ///< Metres below that ring.
     double extraWidth = 0.0;    ///< Metres added to the leg's radius.
-    double foldDepth = 0.0035;  ///< Metres.
+    double foldDepth = 0.0060;  ///< Metres.
 };
 Cloth cutTrousers(const BodyModel& model, const TrousersCut& cut);
 

@@ -151,10 +151,11 @@ void Tailor::smooth(int rounds, double share) {
     }
 }
 
-void Tailor::clear(double clearance) {
+void Tailor::clear(const std::function<double(const Vec3&)>& clearance) {
     const Field field = [this](const Vec3& point) { return model_.field.mirrored(point); };
     for (Vec3& place : cloth_.positions) {
-        if (field(place) < clearance) place = project(field, place, clearance, false);
+        const double least = clearance(place);
+        if (field(place) < least) place = project(field, place, least, false);
     }
 }
 

@@ -35,8 +35,8 @@ class Tailor {
 
     /// Pulls vertices towards their neighbours; those on an edge only along it.
     void smooth(int rounds, double share);
-    /// Pushes whatever is closer to the skin than `clearance` out to it.
-    void clear(double clearance);
+    /// Pushes whatever is closer to the skin than `clearance(place)` metres out to it.
+    void clear(const std::function<double(const Vec3& place)>& clearance);
     /// Moves the cloth along its normals by `depth(place)` metres.
     void fold(const std::function<double(const Vec3& place, const Vec3& normal)>& depth);
     /// Weights of hanging vertices become those of the nearest skin, smoothly.

@@ -243,6 +243,7 @@ class Document {
 template <typename Values>
 std::vector<float> asFloats(const Values& values) {
     std::vector<float> result;
+    result.reserve(values.size());
     for (const auto value : values) {
         result.push_back(static_cast<float>(value));
     }

@@ -10,8 +10,6 @@ namespace {
 
 struct Edge {
     std::uint32_t a = 0, b = 0;
-    std::array<std::uint32_t, 2> faces{};
-    int faceCount = 0;
 };
 
 std::uint64_t edgeKey(std::uint32_t a, std::uint32_t b) {
@@ -29,10 +27,8 @@ QuadMesh subdivide(const QuadMesh& mesh) {
         for (std::size_t c = 0; c < 4; ++c) {
             const std::uint32_t a = mesh.quads[f].vertex[c];
             const std::uint32_t b = mesh.quads[f].vertex[(c + 1) % 4];
-            const auto [found, isNew] = edgeOf.try_emplace(edgeKey(a, b), static_cast<std::uint32_t>(edges.size()));
-            if (isNew) edges.push_back({a, b, {}, 0});
-            Edge& edge = edges[found->second];
-            if (edge.faceCount < 2) edge.faces[static_cast<std::size_t>(edge.faceCount++)] = f;
+            const bool isNew = edgeOf.try_emplace(edgeKey(a, b), static_cast<std::uint32_t>(edges.size())).second;
+            if (isNew) edges.push_back({a, b});
         }
     }
     const std::uint32_t firstEdge = vertexCount + faceCount;
@@ -45,32 +41,19 @@ QuadMesh subdivide(const QuadMesh& mesh) {
             fine.positions[vertexCount + f] += 0.25 * mesh.positions[v];
         }
     }
-    std::vector<Vec3> faceSum(vertexCount, Vec3::Zero());
-    std::vector<Vec3> middleSum(vertexCount, Vec3::Zero());
-    std::vector<double> valence(vertexCount, 0.0);
     for (std::size_t e = 0; e < edges.size(); ++e) {
         const Edge& edge = edges[e];
-        const Vec3 middle = 0.5 * (mesh.positions[edge.a] + mesh.positions[edge.b]);
-        fine.positions[firstEdge + e] = 0.5 * middle + 0.25 * (fine.positions[vertexCount + edge.faces[0]] +
-                                                               fine.positions[vertexCount + edge.faces[1]]);
-        for (const std::uint32_t v : {edge.a, edge.b}) {
-            middleSum[v] += middle;
-            valence[v] += 1.0;
-        }
+        fine.positions[firstEdge + e] = 0.5 * (mesh.positions[edge.a] + mesh.positions[edge.b]);
         fine.mirrored[firstEdge + e] = firstEdge + edgeOf.at(edgeKey(mesh.mirrored[edge.a], mesh.mirrored[edge.b]));
     }
     std::unordered_map<std::uint64_t, std::uint32_t> faceByDiagonal;
     for (std::uint32_t f = 0; f < faceCount; ++f) {
-        for (const std::uint32_t v : mesh.quads[f].vertex) {
-            faceSum[v] += fine.positions[vertexCount + f];
-        }
         const auto& v = mesh.quads[f].vertex;
         faceByDiagonal[edgeKey(v[0], v[2])] = f;
         faceByDiagonal[edgeKey(v[1], v[3])] = f;
     }
     for (std::uint32_t v = 0; v < vertexCount; ++v) {
-        const double n = valence[v];
-        fine.positions[v] = (faceSum[v] / n + 2.0 * middleSum[v] / n + (n - 3.0) * mesh.positions[v]) / n;
+        fine.positions[v] = mesh.positions[v];
         fine.mirrored[v] = mesh.mirrored[v];
     }
     fine.quads.reserve(4 * mesh.quads.size());

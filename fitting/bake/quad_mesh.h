@@ -36,8 +36,8 @@ struct QuadMesh {
     [[nodiscard]] bool onMidPlane(std::size_t vertex) const { return mirrored[vertex] == vertex; }
 };
 
-/// One step of Catmull and Clark's subdivision of a closed mesh. Vertices of `mesh` keep their numbers; then come one a
-/// face and one an edge. Positions are smoothed, lattice and UV are halved.
+/// Cuts each quad of a closed mesh into four. Vertices of `mesh` keep their numbers and places; then come one a face
+/// and one an edge, in their middles: the surface that they are laid onto next makes them smooth.
 QuadMesh subdivide(const QuadMesh& mesh);
 
 /// Makes the right half the exact image of the left: positions with x > 0 are copied, those on the mid-plane get x = 0.
