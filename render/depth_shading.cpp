@@ -231,7 +231,8 @@ void DepthShading::light(const CameraPicture& camera, const MirrorMapping& mappi
                 const Eigen::Vector2f slopes(
                     slope(here[x - left], z, here[x + right], left, right) * camera.intrinsics.fx / z,
                     slope(above[x], z, below[x], up, down) * camera.intrinsics.fy / z);
-                const Eigen::Vector2f onDisplay = turn * slopes;
+                // Steeper than this is a ragged edge, not a form.
+                const Eigen::Vector2f onDisplay = (turn * slopes).cwiseMax(-1.4F).cwiseMin(1.4F);
                 // Display x right, y up, z towards the viewer.
                 const Eigen::Vector3f normal = Eigen::Vector3f(onDisplay.x(), -onDisplay.y(), 1.0F).normalized();
                 if (alpha < 1.0F) {

@@ -7,9 +7,16 @@
 namespace cheval::render {
 namespace {
 
-/// What is nearer than the cloth by more than this hides it. An arm laid on the belly stands out by its own thickness,
-/// 70 to 90 mm; cloth and skin differ by less than 40.
+/// What is nearer than the cloth by more than this may hide it. An arm laid on the belly stands out by its own
+/// thickness, 70 to 90 mm; cloth and skin differ by less than 40.
 constexpr int kMarginMm = 55;
+/// A belly that is rounder than the mannequin's is nearer too, but runs smoothly into what the cloth covers. An arm, a
+/// chin or a bag ends in a step, of the camera's depth or of the cloth's (a collar's back against its front).
+constexpr int kStepMm = 30;
+/// Part of a surface's outline, in percent, that must be steps.
+constexpr int kLeastSteps = 35;
+/// What is nearer than the cloth by this much in the mean is in front, however it ends.
+constexpr int kFarInFrontMm = 200;
 /// The body as tracked lies a little before or behind the body as seen; that is no occlusion. Limits to what is
 /// believed.
 constexpr float kLeastOffset = -0.04F;
@@ -20,7 +27,7 @@ constexpr int kFreshness = 154;  // of 256
 /// Half the width of the smoothing window, in cells.
 constexpr int kRadius = 2;
 
-enum Kind : std::uint8_t { kBare = 0, kHole, kOther, kUser };
+enum Kind : std::uint8_t { kBare = 0, kHole, kUser, kNearer, kWalked, kFront };
 
 }  // namespace
 
@@ -65,7 +72,9 @@ void Occlusion::update(const CellGrid& grid, const MirrorMapping& mapping, const
         visible_.assign(cells, 255);
         lastSeen_.assign(cells, 0);
         nearer_.assign(cells, 0);
+        seen_.assign(cells, 0);
         kind_.assign(cells, 0);
+        surface_.assign(cells, 0);
         hidden_.assign(cells, 0);
         all_.assign(cells, 0);
         reset();
@@ -73,6 +82,7 @@ void Occlusion::update(const CellGrid& grid, const MirrorMapping& mapping, const
     ++frame_;
     if (camera.depth.empty() || grid.empty()) return;
     compare(grid, mapping, camera, distances);
+    separate(grid);
     smooth(grid);
 }
 
@@ -102,8 +112,10 @@ void Occlusion::compare(const CellGrid& grid, const MirrorMapping& mapping, cons
             }
             const int cloth = distance[x].r * 256 + distance[x].g;
             nearer_[i] = static_cast<std::int16_t>(std::clamp(cloth - seen, -30000, 30000));
+            // Who stands before the shopper is judged by nearness alone, further down.
             const bool user = !knowsUser || camera.userMap.at(pixel.x(), pixel.y()) == camera.userLabel;
-            kind_[i] = user ? kUser : kOther;
+            kind_[i] = user ? kUser : kFront;
+            seen_[i] = static_cast<std::uint16_t>(seen);
             const int bin = (nearer_[i] - kLowestMm) / kBinMm;
             if (user && nearer_[i] >= kLowestMm && bin < kBins) {
                 ++histogram[static_cast<std::size_t>(bin)];
@@ -123,8 +135,64 @@ void Occlusion::compare(const CellGrid& grid, const MirrorMapping& mapping, cons
     hasOffset_ = true;
 }
 
-void Occlusion::smooth(const CellGrid& grid) {
+void Occlusion::separate(const CellGrid& grid) {
     const int limit = kMarginMm + static_cast<int>(std::lround(offset_ * 1000.0F));
+    const auto cells = static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows);
+    for (std::size_t i = 0; i < cells; ++i) {
+        if (kind_[i] == kUser && nearer_[i] > limit) kind_[i] = kNearer;
+        // Somebody else hides the cloth by being nearer, and by nothing less.
+        if (kind_[i] == kFront && nearer_[i] <= limit) kind_[i] = kUser;
+    }
+    for (std::size_t i = 0; i < cells; ++i) {
+        if (kind_[i] != kNearer) continue;
+        const bool front = standsOut(grid, i);
+        for (std::size_t each = 0; each < walked_; ++each)
+            kind_[surface_[each]] = front ? kFront : kUser;
+    }
+}
+
+bool Occlusion::standsOut(const CellGrid& grid, std::size_t seed) {
+    const auto columns = static_cast<std::size_t>(grid.columns);
+    const auto rows = static_cast<std::size_t>(grid.rows);
+    std::int64_t sum = 0;
+    int outline = 0;
+    int steps = 0;
+    walked_ = 1;
+    surface_[0] = static_cast<std::uint32_t>(seed);
+    kind_[seed] = kWalked;
+    for (std::size_t next = 0; next < walked_; ++next) {
+        const std::size_t i = surface_[next];
+        sum += nearer_[i];
+        const std::size_t x = i % columns;
+        const std::size_t y = i / columns;
+        const auto visit = [&](std::size_t j) {
+            if (kind_[j] == kBare || kind_[j] == kWalked) return;
+            if (kind_[j] == kHole) {
+                // Steps are where readings are lost.
+                ++outline;
+                ++steps;
+                return;
+            }
+            const int seenStep = seen_[j] - seen_[i];
+            if (kind_[j] == kNearer && std::abs(seenStep) < kStepMm) {
+                kind_[j] = kWalked;
+                surface_[walked_++] = static_cast<std::uint32_t>(j);
+                return;
+            }
+            const int clothStep = (seen_[i] + nearer_[i]) - (seen_[j] + nearer_[j]);
+            ++outline;
+            if (seenStep > kStepMm || clothStep > kStepMm) ++steps;
+        };
+        if (x > 0) visit(i - 1);
+        if (x + 1 < columns) visit(i + 1);
+        if (y > 0) visit(i - columns);
+        if (y + 1 < rows) visit(i + columns);
+    }
+    if (sum > static_cast<std::int64_t>(walked_) * kFarInFrontMm) return true;
+    return outline > 0 && steps * 100 >= outline * kLeastSteps;
+}
+
+void Occlusion::smooth(const CellGrid& grid) {
     const auto columns = static_cast<std::size_t>(grid.columns);
     // The share of hidden cells in a window round each, among those that tell: outside the cloth nothing tells; a hole
     // tells half, for visible, since a hole beside an arm is the arm's shadow on what lies behind it.
@@ -137,7 +205,7 @@ void Occlusion::smooth(const CellGrid& grid) {
             const std::size_t i = row + static_cast<std::size_t>(x);
             if (kind_[i] == kBare) return;
             all += sign * (kind_[i] == kHole ? 1U : 2U);
-            if (kind_[i] != kHole && nearer_[i] > limit) hidden += sign * 2U;
+            if (kind_[i] == kFront) hidden += sign * 2U;
         };
         for (int x = -kRadius; x < kRadius; ++x)
             take(x, 1U);

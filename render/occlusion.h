@@ -36,7 +36,7 @@ class Occlusion {
     /// How visible the garment is, 0…255, along one row: `count` samples from display pixel (left, y) on, `step` apart.
     void visibleRow(const MirrorMapping& mapping, float left, float y, float step, int count,
                     std::uint8_t* visible) const;
-    /// Forgets the frames before.
+    /// Forgets the frames before: another person, or a gap in time.
     void reset();
     /// How much farther than the camera's depth the garment lies where nothing hides it, metres.
     [[nodiscard]] float offset() const { return offset_; }
@@ -44,6 +44,9 @@ class Occlusion {
   private:
     void compare(const CellGrid& grid, const MirrorMapping& mapping, const CameraPicture& camera,
                  hal::ImageView<const hal::Rgba8> distances);
+    void separate(const CellGrid& grid);
+    /// Walks the surface that `seed` lies on; whether it is in front rather than a rounder body.
+    [[nodiscard]] bool standsOut(const CellGrid& grid, std::size_t seed);
     void smooth(const CellGrid& grid);
 
     int columns_ = 0, rows_ = 0, cell_ = 1;
@@ -52,9 +55,13 @@ class Occlusion {
     std::uint32_t frame_ = 1;
     float offset_ = 0.0F;
     bool hasOffset_ = false;
-    std::vector<std::int16_t> nearer_;         ///< Millimetres by which the camera's depth is nearer; of the grid.
-    std::vector<std::uint8_t> kind_;           ///< Of the grid: what is known of a cell.
-    std::vector<std::uint16_t> hidden_, all_;  ///< Sums along rows, of the grid.
+    // Of the grid:
+    std::vector<std::int16_t> nearer_;         ///< Millimetres by which the camera's depth is nearer than the cloth.
+    std::vector<std::uint16_t> seen_;          ///< The camera's depth, millimetres.
+    std::vector<std::uint8_t> kind_;           ///< What is known of a cell.
+    std::vector<std::uint32_t> surface_;       ///< Cells of the surface being walked, in the order of the walk.
+    std::size_t walked_ = 0;                   ///< How many of them.
+    std::vector<std::uint16_t> hidden_, all_;  ///< Sums along rows.
 };
 
 }  // namespace cheval::render

@@ -24,6 +24,8 @@ constexpr float kLeastRenderScale = 0.25F;
 /// Mean brightness of a picture in which cloth is lit as it is in the studio.
 constexpr float kNeutralBrightness = 112.0F;
 constexpr float kExposureFollow = 0.08F;
+/// A longer gap than this between frames is another scene.
+constexpr double kMemorySeconds = 0.2;
 
 ToneCurve dimmed(float factor) {
     ToneCurve curve{};
@@ -75,6 +77,8 @@ struct Renderer::State {
     int columns = 0, rows = 0;  ///< Of `rect`, as drawn.
     Eigen::Vector3f exposure = Eigen::Vector3f::Ones();
     bool exposed = false;
+    hal::TimePoint lastTime{};  ///< Of the frame that occlusion remembers.
+    std::uint32_t lastUser = 0;
     std::array<ToneCurve, 3> tones = {dimmed(1.0F), dimmed(0.5F), dimmed(0.3F)};
 };
 
@@ -197,6 +201,11 @@ Expected<void> Renderer::State::drawMirror(const Scene& scene, hal::ImageView<ha
     }
     const bool hides = !grid.empty();
     if (hides) {
+        // What was hidden a while ago, or on somebody else, says nothing about now.
+        const double gap = hal::seconds(scene.skeleton.captureTime - lastTime);
+        if (gap < 0.0 || gap > kMemorySeconds || scene.skeleton.userId != lastUser) occlusion.reset();
+        lastTime = scene.skeleton.captureTime;
+        lastUser = scene.skeleton.userId;
         const hal::ImageView<hal::Rgba8> cells{
             .data = distances.pixels.data(), .width = grid.columns, .height = grid.rows, .stride = grid.columns};
         garments->readDistance(cells);
