@@ -135,8 +135,10 @@ void Mirror::afterLoop(hal::Duration taken, bool haveFrame) {
     const std::lock_guard lock(shared_);
     const Session& session = chain_->session();
     status_.state = session.state();
-    status_.outfit.assign(
-        session.outfit() < parts_.wardrobe->outfits.size() ? parts_.wardrobe->outfits[session.outfit()].name : "");
+    // A view, not the name itself: a conditional of name and literal would copy it onto the heap.
+    std::string_view outfit;
+    if (session.outfit() < parts_.wardrobe->outfits.size()) outfit = parts_.wardrobe->outfits[session.outfit()].name;
+    status_.outfit.assign(outfit);
     status_.camera = supervisor_.state();
     status_.fault.assign(faultText_);
     status_.avatarView = session.avatarView();

@@ -1,0 +1,260 @@
+#include "daemon/mirror.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "config/settings_table.h"
+#include "daemon/room_options.h"
+#include "hal/headless/headless_display.h"
+#include "hal/sim/world.h"
+#include "tests/daemon/fake_camera.h"
+#include "tests/support/allocation_counter.h"
+
+namespace cheval::daemon {
+namespace {
+
+using test::CameraScript;
+using test::Does;
+using test::FakeCamera;
+
+/// Small pictures: what is tested here is not their beauty.
+config::Settings smallSettings() {
+    config::Settings settings = config::defaultSettings();
+    settings.display.width = 270;
+    settings.display.height = 480;
+    settings.wardrobe.folder = CHEVAL_ASSETS;
+    return settings;
+}
+
+/// Buttons that a test presses.
+class TestButtons final : public hal::Buttons {
+  public:
+    void press(hal::Button button) {
+        waiting_ = {.button = button, .action = hal::ButtonAction::pressed};
+        full_ = true;
+    }
+
+  protected:
+    Expected<std::size_t> doPoll(std::span<hal::ButtonEvent> events) override {
+        if (!full_ || events.empty()) return std::size_t{0};
+        events[0] = waiting_;
+        full_ = false;
+        return std::size_t{1};
+    }
+
+  private:
+    hal::ButtonEvent waiting_;
+    bool full_ = false;
+};
+
+/// A mirror in one thread, on virtual time.
+class MirrorTest : public testing::Test {
+  protected:
+    explicit MirrorTest(config::Settings settings = smallSettings())
+        : settings_(std::move(settings)), display_(hal::makeHeadlessDisplay({.mode = displayMode(settings_)})) {
+        EXPECT_TRUE(display_->open());
+    }
+    ~MirrorTest() override {
+        mirror_.reset();
+        display_->close();
+    }
+
+    Mirror& light(CameraFactory camera) {
+        wardrobe_ = loadWardrobe(wardrobeOptions(settings_));
+        Expected<std::unique_ptr<Mirror>> made =
+            Mirror::create(settings_, {.camera = std::move(camera),
+                                       .buttons = {&buttons_},
+                                       .display = display_.get(),
+                                       .mode = displayMode(settings_),
+                                       .clock = &clock_,
+                                       .admission = &still_,
+                                       .cost = &steady_,
+                                       .wardrobe = &wardrobe_,
+                                       .observer = [this](const FramePacket& packet, hal::ImageView<const hal::Rgba8>) {
+                                           screens_.push_back(packet.hud.screen);
+                                           service_ = packet.hud.service.view();
+                                       }});
+        EXPECT_TRUE(made);
+        mirror_ = std::move(*made);
+        return *mirror_;
+    }
+    Mirror& lightSimulation() {
+        return light([this]() -> Expected<std::unique_ptr<hal::DepthCamera>> {
+            return hal::sim::makeSimulatedCamera(hal::sim::makeWorld(worldOptions(settings_)), clock_);
+        });
+    }
+    Mirror& lightScript() {
+        return light([this]() -> Expected<std::unique_ptr<hal::DepthCamera>> {
+            return std::unique_ptr<hal::DepthCamera>(std::make_unique<FakeCamera>(script_, clock_));
+        });
+    }
+    static bool never(const hal::DepthFrame&) { return false; }
+
+    config::Settings settings_;
+    hal::VirtualClock clock_;
+    hal::VirtualClock still_;
+    hal::SteadyClock steady_;
+    std::unique_ptr<hal::Display> display_;
+    TestButtons buttons_;
+    Wardrobe wardrobe_;
+    CameraScript script_;
+    std::unique_ptr<Mirror> mirror_;
+    std::vector<render::Screen> screens_;
+    std::string service_;
+};
+
+TEST_F(MirrorTest, dressesTheSimulatedShopperAndChangesOnAButton) {
+    Mirror& mirror = lightSimulation();
+    while (mirror.status().state != SessionState::wearing && hal::seconds(clock_.now()) < 10.0)
+        ASSERT_TRUE(mirror.step(never));
+    ASSERT_EQ(mirror.status().state, SessionState::wearing);
+    EXPECT_EQ(mirror.status().outfit.view(), wardrobe_.outfits[0].name);
+    buttons_.press(hal::Button::next);
+    ASSERT_TRUE(mirror.step(never));
+    EXPECT_EQ(mirror.status().outfit.view(), wardrobe_.outfits[1].name);
+    EXPECT_FALSE(mirror.status().avatarView);
+    buttons_.press(hal::Button::view);
+    ASSERT_TRUE(mirror.step(never));
+    EXPECT_TRUE(mirror.status().avatarView);
+}
+
+TEST_F(MirrorTest, takesNoHeapMemoryInTheLoopOnceItRuns) {
+    Mirror& mirror = lightSimulation();
+    // Every outfit has been worn and both views shown before the count begins.
+    const std::function<bool(const hal::DepthFrame&)> draw = never;
+    while (mirror.status().state != SessionState::wearing && hal::seconds(clock_.now()) < 10.0)
+        ASSERT_TRUE(mirror.step(draw));
+    ASSERT_EQ(mirror.status().state, SessionState::wearing);
+    std::uint64_t allocations = 0;
+    int frames = 0;
+    for (; frames < 240; ++frames) {
+        if (frames % 20 == 0) buttons_.press(hal::Button::next);
+        // The simulated camera draws a world; what it takes is not the mirror's. Here the whole step is counted, camera
+        // included, and held to none.
+        const cheval::test::AllocationCounter counter;
+        const Expected<StepResult> step = mirror.step(draw);
+        allocations += counter.count();
+        ASSERT_TRUE(step);
+    }
+    EXPECT_EQ(allocations, 0U) << "in " << frames
+                               << " frames; run with CHEVAL_TRAP_ALLOCATIONS=1 under a debugger to see where";
+}
+
+TEST_F(MirrorTest, staysLitAndSaysWhyWhenTheCameraIsLost) {
+    script_.steps = {Does::frame,        Does::frame,        Does::frame, Does::lose,
+                     Does::refuseToOpen, Does::refuseToOpen, Does::frame};
+    Mirror& mirror = lightScript();
+    while (mirror.camera().openings() < 2 && hal::seconds(clock_.now()) < 60.0)
+        ASSERT_TRUE(mirror.step());
+    ASSERT_TRUE(mirror.step());
+    EXPECT_EQ(mirror.camera().openings(), 2U);
+    EXPECT_THAT(screens_, testing::Contains(render::Screen::service));
+    EXPECT_EQ(screens_.back(), render::Screen::attract);
+    // At least five pictures a second all the while: the screen never froze.
+    EXPECT_GT(static_cast<double>(screens_.size()), 5.0 * hal::seconds(clock_.now()));
+}
+
+TEST_F(MirrorTest, staysLitWhenThereIsNoCameraAtAll) {
+    Mirror& mirror = light([]() -> Expected<std::unique_ptr<hal::DepthCamera>> {
+        return Error{
+            .code = ErrorCode::notFound, .cause = "there is no sensor.json", .mend = "write one", .file = "/x"};
+    });
+    for (int i = 0; i < 50; ++i)
+        ASSERT_TRUE(mirror.step());
+    EXPECT_EQ(screens_.size(), 50U);
+    EXPECT_EQ(screens_.back(), render::Screen::service);
+    EXPECT_THAT(service_, testing::HasSubstr("there is no sensor.json"));
+    EXPECT_THAT(service_, testing::HasSubstr("write one"));
+}
+
+TEST_F(MirrorTest, staysLitWhenTheRecordingEnds) {
+    script_.steps = {Does::frame, Does::frame, Does::end};
+    Mirror& mirror = lightScript();
+    StepResult last = StepResult::frame;
+    for (int i = 0; i < 20; ++i) {
+        const Expected<StepResult> step = mirror.step();
+        ASSERT_TRUE(step);
+        last = *step;
+    }
+    EXPECT_EQ(last, StepResult::ended);
+    EXPECT_EQ(screens_.size(), 20U);
+    EXPECT_EQ(screens_.back(), render::Screen::service);
+    EXPECT_THAT(service_, testing::HasSubstr("is over"));
+}
+
+class MirrorWithABadWardrobe : public MirrorTest {
+  protected:
+    MirrorWithABadWardrobe()
+        : MirrorTest([] {
+              config::Settings settings = smallSettings();
+              settings.wardrobe.garments = {"tshirt", "no-such-garment"};
+              settings.wardrobe.outfits = {"tshirt", "no-such-garment"};
+              return settings;
+          }()) {}
+};
+
+TEST_F(MirrorWithABadWardrobe, refusesTheBadGarmentAndKeepsTheOthers) {
+    script_.steps = {Does::frame};
+    Mirror& mirror = lightScript();
+    ASSERT_FALSE(wardrobe_.refusals.empty());
+    EXPECT_THAT(wardrobe_.refusals.front().file, testing::HasSubstr("no-such-garment.glb"));
+    ASSERT_EQ(wardrobe_.outfits.size(), 1U);
+    EXPECT_EQ(wardrobe_.outfits[0].id, "tshirt");
+    ASSERT_TRUE(mirror.step());
+    EXPECT_EQ(screens_.back(), render::Screen::attract);
+}
+
+class MirrorWithoutAssets : public MirrorTest {
+  protected:
+    MirrorWithoutAssets()
+        : MirrorTest([] {
+              config::Settings settings = smallSettings();
+              settings.wardrobe.folder = "/nonexistent";
+              return settings;
+          }()) {}
+};
+
+TEST_F(MirrorWithoutAssets, staysLitWithoutAMannequin) {
+    Mirror& mirror = lightSimulation();
+    EXPECT_FALSE(wardrobe_.body);
+    for (int i = 0; i < 60; ++i)
+        ASSERT_TRUE(mirror.step(i % 20 == 0 ? std::function<bool(const hal::DepthFrame&)>() : never));
+    EXPECT_NE(mirror.status().state, SessionState::wearing);
+    EXPECT_FALSE(screens_.empty());
+}
+
+TEST_F(MirrorTest, runsAsTwoThreadsAndStops) {
+    hal::SteadyClock clock;
+    wardrobe_ = loadWardrobe(wardrobeOptions(settings_));
+    CameraScript script{.steps = {Does::frame}};
+    std::atomic<int> shown{0};
+    hal::Interrupt enough;
+    Expected<std::unique_ptr<Mirror>> mirror = Mirror::create(
+        settings_, {.camera = [&]() -> Expected<std::unique_ptr<hal::DepthCamera>> {
+                        return std::unique_ptr<hal::DepthCamera>(std::make_unique<FakeCamera>(script, clock));
+                    },
+                    .display = display_.get(),
+                    .mode = displayMode(settings_),
+                    .clock = &clock,
+                    .cost = &clock,
+                    .wardrobe = &wardrobe_,
+                    .observer =
+                        [&](const FramePacket&, hal::ImageView<const hal::Rgba8>) {
+                            if (++shown == 5) enough.raise();
+                        }});
+    ASSERT_TRUE(mirror);
+    ASSERT_TRUE((*mirror)->start());
+    EXPECT_FALSE(clock.waitUntil(clock.now() + std::chrono::minutes(2), enough)) << "five pictures within two minutes";
+    (*mirror)->setNotice("seen by the loop at its next turn");
+    (*mirror)->stop();
+    EXPECT_GE((*mirror)->status().pictures, 5U);
+    EXPECT_FALSE((*mirror)->rendererDescription().empty());
+    EXPECT_GT((*mirror)->statistics().size(), PictureMaker::tasks().size());
+}
+
+}  // namespace
+}  // namespace cheval::daemon
