@@ -6,7 +6,8 @@ namespace {
 
 void appendSentence(std::string& text, std::string_view label, std::string_view sentence) {
     if (sentence.empty()) return;
-    if (!text.empty() && text.back() != '.') text += '.';
+    // Some sentences are questions ("did you mean …?").
+    if (!text.empty() && text.back() != '.' && text.back() != '?') text += '.';
     text += ' ';
     text += label;
     text += sentence;
