@@ -127,6 +127,7 @@ Garment makeGarment(const GarmentSpecification& specification, const BodyModel& 
     garment.name = specification.name;
     garment.kind = specification.kind;
     garment.rigidity = specification.rigidity;
+    garment.layerOrder = specification.kind == GarmentKind::top ? 2 : 1;  // Shirts hang over waistbands.
     garment.mesh = renderMesh(cloth, layout);
     garment.simulated.assign(garment.mesh.positions.size(), 0);
     addCages(garment, cloth, model);
