@@ -45,6 +45,9 @@ Expected<OutfitChoice> makeChoice(const Wardrobe& wardrobe, std::string_view nam
                          .key = std::string(names)};
         }
         worn.push_back(static_cast<std::uint16_t>(garment - wardrobe.garments.begin()));
+        // Called as the technician wrote it, whichever is worn innermost.
+        choice.id += (choice.id.empty() ? "" : "+") + garment->id;
+        choice.name += (choice.name.empty() ? "" : " + ") + (garment->name.empty() ? garment->id : garment->name);
     }
     // Innermost first, whatever the order in which they were named.
     std::stable_sort(worn.begin(), worn.end(), [&wardrobe](std::uint16_t a, std::uint16_t b) {
@@ -57,12 +60,8 @@ Expected<OutfitChoice> makeChoice(const Wardrobe& wardrobe, std::string_view nam
                      .mend = "name fewer",
                      .key = std::string(names)};
     }
-    for (const std::uint16_t index : worn) {
-        const fitting::Garment& garment = wardrobe.garments[index];
-        choice.id += (choice.id.empty() ? "" : "+") + garment.id;
-        choice.name += (choice.name.empty() ? "" : " + ") + (garment.name.empty() ? garment.id : garment.name);
+    for (const std::uint16_t index : worn)
         choice.outfit.garments[choice.outfit.count++] = index;
-    }
     return choice;
 }
 

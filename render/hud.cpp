@@ -167,15 +167,18 @@ void Hud::drawCarousel(Pen& pen, const HudState& state) const {
             pen.strokeRoundedBox(x, kTop + inset, cardWidth, cardHeight, 32, 2);
         }
         const double ink = chosen ? 0.09 : 0.93;
-        const TextStyle style{.size = chosen ? 52.0 : 38.0,
-                              .weight = chosen ? PANGO_WEIGHT_SEMIBOLD : PANGO_WEIGHT_NORMAL,
-                              .red = ink,
-                              .green = ink,
-                              .blue = ink,
-                              .lines = 1};
-        const double textHeight = pen.measure(state.carousel[item].name.view(), style, cardWidth - 40).second;
-        pen.text(state.carousel[item].name.view(), style, x + 20, kTop + (kCardHeight - textHeight) / 2,
-                 cardWidth - 40);
+        TextStyle style{.size = chosen ? 52.0 : 38.0,
+                        .weight = chosen ? PANGO_WEIGHT_SEMIBOLD : PANGO_WEIGHT_NORMAL,
+                        .red = ink,
+                        .green = ink,
+                        .blue = ink,
+                        .lines = 2};
+        const std::string_view name = state.carousel[item].name.view();
+        // A name that needs two lines is set smaller, so that both stand in the card.
+        const double line = pen.measure("H", style, cardWidth - 40).second;
+        if (pen.measure(name, style, cardWidth - 40).second > 1.5 * line) style.size *= chosen ? 0.74 : 0.84;
+        const double textHeight = pen.measure(name, style, cardWidth - 40).second;
+        pen.text(name, style, x + 20, kTop + (kCardHeight - textHeight) / 2, cardWidth - 40);
     };
     const double middle = width / 2;
     if (selected > 0) card(selected - 1, middle - kCard / 2 - kGap - kSideCard, kSideCard, false);

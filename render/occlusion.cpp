@@ -17,6 +17,13 @@ constexpr int kStepMm = 30;
 constexpr int kLeastSteps = 35;
 /// What is nearer than the cloth by this much in the mean is in front, however it ends.
 constexpr int kFarInFrontMm = 200;
+/// The shopper's own chest, hip or upper arm may stand out too, where the garment fits badly; only head, forearms and
+/// hands are believed to be in front. Part of a surface, in percent, that must belong to one of them.
+constexpr int kLeastOfLimb = 30;
+/// Generous, for hair and sleeves.
+constexpr float kHeadRadiusMm = 200.0F;
+constexpr float kForearmRadiusMm = 110.0F;
+constexpr float kFingersMm = 120.0F;  ///< From the palm's centre on.
 /// The body as tracked lies a little before or behind the body as seen; that is no occlusion. Limits to what is
 /// believed.
 constexpr float kLeastOffset = -0.04F;
@@ -61,7 +68,7 @@ void Occlusion::reset() {
 }
 
 void Occlusion::update(const CellGrid& grid, const MirrorMapping& mapping, const CameraPicture& camera,
-                       hal::ImageView<const hal::Rgba8> distances) {
+                       const fitting::Skeleton& skeleton, hal::ImageView<const hal::Rgba8> distances) {
     const int columns = (mapping.mirroredWidth() + grid.cell - 1) / grid.cell;
     const int rows = (mapping.mirroredHeight() + grid.cell - 1) / grid.cell;
     if (columns != columns_ || rows != rows_ || grid.cell != cell_) {
@@ -81,8 +88,9 @@ void Occlusion::update(const CellGrid& grid, const MirrorMapping& mapping, const
     }
     ++frame_;
     if (camera.depth.empty() || grid.empty()) return;
+    placeLimbs(camera, skeleton);
     compare(grid, mapping, camera, distances);
-    separate(grid);
+    separate(grid, mapping);
     smooth(grid);
 }
 
@@ -135,7 +143,43 @@ void Occlusion::compare(const CellGrid& grid, const MirrorMapping& mapping, cons
     hasOffset_ = true;
 }
 
-void Occlusion::separate(const CellGrid& grid) {
+void Occlusion::placeLimbs(const CameraPicture& camera, const fitting::Skeleton& skeleton) {
+    using fitting::Joint;
+    constexpr float kSeen = 0.5F;
+    intrinsics_ = camera.intrinsics;
+    knowsLimbs_ = skeleton.present();
+    const auto at = [&](Joint joint) {
+        knowsLimbs_ = knowsLimbs_ && skeleton[joint].confidence >= kSeen && skeleton[joint].position.allFinite();
+        return camera.placement.toSensor(skeleton[joint].position);
+    };
+    const auto forearm = [&](Joint elbow, Joint hand) {
+        const Eigen::Vector3f from = at(elbow);
+        const Eigen::Vector3f to = at(hand);
+        return Limb{.from = from, .to = to + kFingersMm * (to - from).normalized(), .radius = kForearmRadiusMm};
+    };
+    const Eigen::Vector3f head = at(Joint::head);
+    limbs_ = {Limb{.from = head, .to = head, .radius = kHeadRadiusMm}, forearm(Joint::leftElbow, Joint::leftHand),
+              forearm(Joint::rightElbow, Joint::rightHand)};
+}
+
+bool Occlusion::onLimb(const CellGrid& grid, const MirrorMapping& mapping, std::size_t cell) const {
+    const auto columns = static_cast<std::size_t>(grid.columns);
+    const int x = grid.x0 + static_cast<int>(cell % columns);
+    const int y = grid.y0 + static_cast<int>(cell / columns);
+    const Eigen::Vector2i pixel =
+        mapping.sensorPixel(std::min(x * grid.cell + grid.cell / 2, mapping.mirroredWidth() - 1),
+                            std::min(y * grid.cell + grid.cell / 2, mapping.mirroredHeight() - 1));
+    const Eigen::Vector3f point = fitting::unproject(intrinsics_, static_cast<float>(pixel.x()),
+                                                     static_cast<float>(pixel.y()), static_cast<float>(seen_[cell]));
+    return std::any_of(limbs_.begin(), limbs_.end(), [&](const Limb& limb) {
+        const Eigen::Vector3f along = limb.to - limb.from;
+        const float length2 = along.squaredNorm();
+        const float t = length2 > 0.0F ? std::clamp((point - limb.from).dot(along) / length2, 0.0F, 1.0F) : 0.0F;
+        return (point - limb.from - t * along).squaredNorm() < limb.radius * limb.radius;
+    });
+}
+
+void Occlusion::separate(const CellGrid& grid, const MirrorMapping& mapping) {
     const int limit = kMarginMm + static_cast<int>(std::lround(offset_ * 1000.0F));
     const auto cells = static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows);
     for (std::size_t i = 0; i < cells; ++i) {
@@ -145,16 +189,17 @@ void Occlusion::separate(const CellGrid& grid) {
     }
     for (std::size_t i = 0; i < cells; ++i) {
         if (kind_[i] != kNearer) continue;
-        const bool front = standsOut(grid, i);
+        const bool front = standsOut(grid, mapping, i);
         for (std::size_t each = 0; each < walked_; ++each)
             kind_[surface_[each]] = front ? kFront : kUser;
     }
 }
 
-bool Occlusion::standsOut(const CellGrid& grid, std::size_t seed) {
+bool Occlusion::standsOut(const CellGrid& grid, const MirrorMapping& mapping, std::size_t seed) {
     const auto columns = static_cast<std::size_t>(grid.columns);
     const auto rows = static_cast<std::size_t>(grid.rows);
     std::int64_t sum = 0;
+    std::size_t ofLimb = 0;
     int outline = 0;
     int steps = 0;
     walked_ = 1;
@@ -163,6 +208,7 @@ bool Occlusion::standsOut(const CellGrid& grid, std::size_t seed) {
     for (std::size_t next = 0; next < walked_; ++next) {
         const std::size_t i = surface_[next];
         sum += nearer_[i];
+        if (knowsLimbs_ && onLimb(grid, mapping, i)) ++ofLimb;
         const std::size_t x = i % columns;
         const std::size_t y = i / columns;
         const auto visit = [&](std::size_t j) {
@@ -189,6 +235,7 @@ bool Occlusion::standsOut(const CellGrid& grid, std::size_t seed) {
         if (y + 1 < rows) visit(i + columns);
     }
     if (sum > static_cast<std::int64_t>(walked_) * kFarInFrontMm) return true;
+    if (knowsLimbs_ && ofLimb * 100 < walked_ * kLeastOfLimb) return false;
     return outline > 0 && steps * 100 >= outline * kLeastSteps;
 }
 

@@ -2,11 +2,13 @@
 // the picture's own pixels, smoothed so that edges are soft and still.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "fitting/skeleton.h"
 #include "hal/image.h"
 #include "render/mirror_mapping.h"
 #include "render/renderer.h"
@@ -30,9 +32,10 @@ CellGrid cellGrid(const MirrorMapping& mapping, const PixelRect& rect);
 /// Thread-bound; takes memory only when the picture's size changes.
 class Occlusion {
   public:
-    /// Compares `distances` (what drawDistance() made for `grid`) with the camera's depth.
+    /// Compares `distances` (what drawDistance() made for `grid`) with the camera's depth. Where `skeleton` says where
+    /// the head and both forearms are, a surface in front of the cloth must be one of them, or far in front.
     void update(const CellGrid& grid, const MirrorMapping& mapping, const CameraPicture& camera,
-                hal::ImageView<const hal::Rgba8> distances);
+                const fitting::Skeleton& skeleton, hal::ImageView<const hal::Rgba8> distances);
     /// How visible the garment is, 0…255, along one row: `count` samples from display pixel (left, y) on, `step` apart.
     void visibleRow(const MirrorMapping& mapping, float left, float y, float step, int count,
                     std::uint8_t* visible) const;
@@ -44,12 +47,25 @@ class Occlusion {
   private:
     void compare(const CellGrid& grid, const MirrorMapping& mapping, const CameraPicture& camera,
                  hal::ImageView<const hal::Rgba8> distances);
-    void separate(const CellGrid& grid);
+    void placeLimbs(const CameraPicture& camera, const fitting::Skeleton& skeleton);
+    /// Whether the surface at a cell of the grid belongs to a limb that may hide cloth.
+    [[nodiscard]] bool onLimb(const CellGrid& grid, const MirrorMapping& mapping, std::size_t cell) const;
+    void separate(const CellGrid& grid, const MirrorMapping& mapping);
     /// Walks the surface that `seed` lies on; whether it is in front rather than a rounder body.
-    [[nodiscard]] bool standsOut(const CellGrid& grid, std::size_t seed);
+    [[nodiscard]] bool standsOut(const CellGrid& grid, const MirrorMapping& mapping, std::size_t seed);
     void smooth(const CellGrid& grid);
 
+    /// Sensor frame, millimetres.
+    struct Limb {
+        Eigen::Vector3f from = Eigen::Vector3f::Zero();
+        Eigen::Vector3f to = Eigen::Vector3f::Zero();
+        float radius = 0.0F;
+    };
+
     int columns_ = 0, rows_ = 0, cell_ = 1;
+    std::array<Limb, 3> limbs_{};  ///< Head, left and right forearm with the hand.
+    bool knowsLimbs_ = false;
+    hal::Intrinsics intrinsics_;
     std::vector<std::uint8_t> visible_;    ///< Of the whole mirrored picture, a byte a cell.
     std::vector<std::uint32_t> lastSeen_;  ///< Frame in which a cell was last covered by cloth.
     std::uint32_t frame_ = 1;

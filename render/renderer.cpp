@@ -209,7 +209,7 @@ Expected<void> Renderer::State::drawMirror(const Scene& scene, hal::ImageView<ha
         const hal::ImageView<hal::Rgba8> cells{
             .data = distances.pixels.data(), .width = grid.columns, .height = grid.rows, .stride = grid.columns};
         garments->readDistance(cells);
-        occlusion.update(grid, mapping, camera, cells);
+        occlusion.update(grid, mapping, camera, scene.skeleton, cells);
     }
     compositor.compose(finish(), rect, mapping, hides ? &occlusion : nullptr, target);
     return {};

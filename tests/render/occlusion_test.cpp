@@ -33,7 +33,7 @@ class Sheet {
     }
     /// How visible the cloth is at a pixel of the mirrored picture.
     int visible(int x, int y) {
-        occlusion_.update(grid_, mapping_, camera_, hal::ImageView<const hal::Rgba8>(distances_.view()));
+        occlusion_.update(grid_, mapping_, camera_, skeleton_, hal::ImageView<const hal::Rgba8>(distances_.view()));
         std::array<std::uint8_t, 1> result{};
         occlusion_.visibleRow(mapping_, static_cast<float>(x) + 0.5F - mapping_.cropLeft, static_cast<float>(y) + 0.5F,
                               1.0F, 1, result.data());
@@ -41,12 +41,15 @@ class Sheet {
     }
     Occlusion& occlusion() { return occlusion_; }
     hal::Image<std::uint8_t>& user() { return user_; }
+    fitting::Skeleton& skeleton() { return skeleton_; }
+    [[nodiscard]] const CameraPicture& camera() const { return camera_; }
 
   private:
     hal::Image<std::uint16_t> depth_;
     hal::Image<std::uint8_t> user_;
     MirrorMapping mapping_;
     CameraPicture camera_;
+    fitting::Skeleton skeleton_;  ///< Nobody, until a test says where the limbs are.
     CellGrid grid_;
     hal::Image<hal::Rgba8> distances_;
     Occlusion occlusion_;
@@ -61,6 +64,35 @@ TEST(Occlusion, whatStandsOutHides) {
     Sheet sheet([](int, int y) { return barAcross(y, 90); });
     EXPECT_EQ(sheet.visible(320, 220), 0);
     EXPECT_EQ(sheet.visible(320, 100), 255);
+}
+
+/// Head, and both forearms level with it, at a height of the mirrored picture and a depth in millimetres.
+void placeLimbs(Sheet& sheet, float y, float depth) {
+    sheet.skeleton().userId = 1;
+    const auto put = [&](fitting::Joint joint, float x, float height) {
+        const Eigen::Vector3f sensor = fitting::unproject(sheet.camera().intrinsics, x, height, depth);
+        sheet.skeleton()[joint] = {.position = sheet.camera().placement.toMirror(sensor), .confidence = 0.9F};
+    };
+    put(fitting::Joint::head, 320.0F, 20.0F);
+    put(fitting::Joint::rightElbow, 200.0F, y);
+    put(fitting::Joint::rightHand, 310.0F, y);
+    put(fitting::Joint::leftElbow, 440.0F, y);
+    put(fitting::Joint::leftHand, 330.0F, y);
+}
+
+TEST(Occlusion, aForearmHidesWhereTheSkeletonHasIt) {
+    Sheet sheet([](int, int y) { return barAcross(y, 90); });
+    placeLimbs(sheet, 220.0F, kCloth - 60);
+    EXPECT_EQ(sheet.visible(320, 220), 0);
+}
+
+TEST(Occlusion, aShapeThatIsNoLimbDoesNotHideUnlessFarInFront) {
+    Sheet belly([](int, int y) { return barAcross(y, 90); });
+    placeLimbs(belly, 400.0F, kCloth - 60);
+    EXPECT_EQ(belly.visible(320, 220), 255);
+    Sheet bag([](int, int y) { return barAcross(y, 250); });
+    placeLimbs(bag, 400.0F, kCloth - 60);
+    EXPECT_EQ(bag.visible(320, 220), 0);
 }
 
 TEST(Occlusion, whatIsNearerByLessThanClothAndSkinDifferDoesNot) {
