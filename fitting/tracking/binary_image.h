@@ -10,6 +10,7 @@ namespace cheval::fitting::tracking {
 
 /// Side of the square picture in which a hand is read. Its rim stays 0.
 inline constexpr int kHandGrid = 96;
+inline constexpr int kHandMiddle = kHandGrid / 2;
 inline constexpr std::size_t kHandCells = static_cast<std::size_t>(kHandGrid) * kHandGrid;
 
 using HandMask = std::array<std::uint8_t, kHandCells>;

@@ -58,8 +58,8 @@ void HandRegionJob::run() {
     const float wrist = kWristFactor * headToNeck / cellMetres;
     for (int row = 1; row < kHandGrid - 1; ++row) {
         for (int column = 1; column < kHandGrid - 1; ++column) {
-            const Eigen::Vector2f offset(static_cast<float>(column - kHandGrid / 2),
-                                         static_cast<float>(row - kHandGrid / 2));
+            const Eigen::Vector2f offset(static_cast<float>(column - kHandMiddle),
+                                         static_cast<float>(row - kHandMiddle));
             // Beyond the wrist is arm; where the arm points at the sensor there is no telling, and nothing is cut.
             if (forearm.norm() > 0.35F && offset.dot(forearm.normalized()) < -wrist) continue;
             const int u = static_cast<int>(std::lround(centre.x() + offset.x() * pixelsPerCell));

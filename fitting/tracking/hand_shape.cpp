@@ -25,8 +25,8 @@ bool HandShapeJob::findPalm() {
     Cell centre;
     for (int row = 1; row < kHandGrid - 1; ++row) {
         for (int column = 1; column < kHandGrid - 1; ++column) {
-            const Eigen::Vector2f offset(static_cast<float>(column - kHandGrid / 2),
-                                         static_cast<float>(row - kHandGrid / 2));
+            const Eigen::Vector2f offset(static_cast<float>(column - kHandMiddle),
+                                         static_cast<float>(row - kHandMiddle));
             if (offset.norm() > kPalmSearch) continue;
             // Of two equal circles the nearer to the middle.
             const float score = distance[handIndex(column, row)] - 0.12F * offset.norm();

@@ -23,11 +23,12 @@ constexpr float kHeadHalfDepth = 0.040F;
 /// Centimetre histogram of x in ±4 m, for a median without sorting.
 struct Histogram {
     static constexpr int kBins = 800;
+    static constexpr int kZero = kBins / 2;  ///< The bin of x = 0.
     std::array<int, kBins> bins{};
     int count = 0;
 
     void add(float metres) {
-        const int bin = static_cast<int>(std::lround(metres * 100.0F)) + kBins / 2;
+        const int bin = static_cast<int>(std::lround(metres * 100.0F)) + kZero;
         if (bin < 0 || bin >= kBins) return;
         ++bins[static_cast<std::size_t>(bin)];
         ++count;
@@ -36,7 +37,7 @@ struct Histogram {
         int below = 0;
         for (int bin = 0; bin < kBins; ++bin) {
             below += bins[static_cast<std::size_t>(bin)];
-            if (2 * below >= count) return static_cast<float>(bin - kBins / 2) * 0.01F;
+            if (2 * below >= count) return static_cast<float>(bin - kZero) * 0.01F;
         }
         return 0.0F;
     }

@@ -68,6 +68,7 @@ TEST_P(RandomMask, HasTheReferencesContourAndHull) {
     });
     ASSERT_NE(reference, references.end());
     std::vector<cv::Point> ours;
+    ours.reserve(contour.size());
     for (const Cell cell : contour) {
         ours.emplace_back(cell.x, cell.y);
     }
