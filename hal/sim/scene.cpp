@@ -7,6 +7,7 @@
 #include "hal/sim/figure.h"
 #include "hal/sim/hash.h"
 #include "hal/sim/motion.h"
+#include "hal/sim/rounding.h"
 
 namespace cheval::hal::sim {
 
@@ -131,7 +132,7 @@ void Scene::castShadows(ImageView<Rgb8> colour) const {
             }
             Rgb8& pixel = colour.at(x, y);
             const auto dim = [light](std::uint8_t value) {
-                return static_cast<std::uint8_t>(static_cast<float>(value) * light + 0.5F);
+                return static_cast<std::uint8_t>(nearestWhole(static_cast<float>(value) * light));
             };
             pixel = {dim(pixel.r), dim(pixel.g), dim(pixel.b)};
         }
@@ -208,7 +209,7 @@ void Scene::render(std::uint64_t frame, double worldSeconds, ImageView<std::uint
         std::uint16_t* row = depth.row(y);
         for (int x = 0; x < lens.width; ++x) {
             const bool inRange = exact[x] >= kNearestMm && exact[x] <= kFarthestMm;
-            row[x] = inRange ? static_cast<std::uint16_t>(exact[x] + 0.5F) : std::uint16_t{0};
+            row[x] = inRange ? static_cast<std::uint16_t>(nearestWhole(exact[x])) : std::uint16_t{0};
         }
     }
 }

@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "hal/sim/hash.h"
+#include "hal/sim/rounding.h"
 
 namespace cheval::hal::sim {
 
@@ -173,10 +174,10 @@ void SensorModel::senseRow(int y, std::uint32_t frameKey, const float* disparity
     constexpr float kTemporal = kDisparityNoise * kPairShare * kPairShare;
     for (int x = 0; x < width; ++x) {
         const float d = disparity[x] + fixedNoise[x] + kTemporal * (noise[x] + noise[x + 1]);
-        const auto steps = static_cast<std::int32_t>(d * (1.0F / kDisparityStep) + 0.5F);
+        const std::int32_t steps = nearestWhole(d * (1.0F / kDisparityStep));
         const float z = focalBaseline_ / (std::max(1.0F, static_cast<float>(steps)) * kDisparityStep);
         const bool inRange = z >= kNearestMm && z <= kFarthestMm;
-        readings[x] = static_cast<std::uint16_t>(inRange ? static_cast<std::int32_t>(z + 0.5F) : 0);
+        readings[x] = static_cast<std::uint16_t>(inRange ? nearestWhole(z) : 0);
     }
     for (int x = 0; x < width; ++x) {
         if (failure[x] == 0) continue;
