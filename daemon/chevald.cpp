@@ -11,6 +11,7 @@
 #include "daemon/log.h"
 #include "daemon/once.h"
 #include "daemon/service.h"
+#include "daemon/status_line.h"
 
 namespace {
 
@@ -29,19 +30,10 @@ constexpr const char* kFooter =
     "wrong; 3 the settings are refused (--check-config, --once).\n"
     "Signals: SIGTERM and SIGINT end it within a second; SIGHUP reads the settings again.";
 
-std::string statusText(const MirrorStatus& status) {
-    if (status.fault.length > 0) return fmt::format("no frames: {}", status.fault.view());
-    return fmt::format(
-        "{:<11} {:<22} {:5.1f} fps  loop {:5.1f} ms  render {:5.1f} ms  {}{}", daemon::name(status.state),
-        status.outfit.view(), status.framesPerSecond, hal::seconds(status.loopTime) * 1e3,
-        hal::seconds(status.renderTime) * 1e3,
-        status.degradeLevel == 0 ? "all details" : "plainer: ", status.degradeLevel == 0 ? "" : status.degradeName);
-}
-
 /// One line that is written over and over on a terminal, and line after line elsewhere.
 void printStatus(const MirrorStatus& status) {
     const bool terminal = isatty(STDOUT_FILENO) != 0;
-    fmt::print("{}{}{}", terminal ? "\r\033[K" : "", statusText(status), terminal ? "" : "\n");
+    fmt::print("{}{}{}", terminal ? "\r\033[K" : "", daemon::statusLine(status), terminal ? "" : "\n");
     std::fflush(stdout);
 }
 

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "config/settings.h"
 #include "daemon/camera_supervisor.h"
@@ -28,6 +29,11 @@ class Screen {
     [[nodiscard]] hal::Buttons* buttons() const { return preview_ == nullptr ? nullptr : &preview_->buttons(); }
     /// Where people can look at it, e.g. "http://127.0.0.1:8080/"; empty: nowhere.
     [[nodiscard]] std::string address() const { return preview_ == nullptr ? std::string() : preview_->address(); }
+
+    /// The line that people see who look at it there; elsewhere there is nobody to tell.
+    void setStatus(std::string_view status) {
+        if (preview_ != nullptr) preview_->setStatus(status);
+    }
 
     /// The two settings ask for one and the same screen, which can stay open over a change.
     static bool same(const config::Settings& a, const config::Settings& b);

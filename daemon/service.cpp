@@ -11,6 +11,7 @@
 #include "daemon/hud_writer.h"
 #include "daemon/log.h"
 #include "daemon/room_options.h"
+#include "daemon/status_line.h"
 
 namespace cheval::daemon {
 
@@ -109,8 +110,11 @@ class Service {
     }
 
     [[nodiscard]] bool running() const { return running_ != nullptr; }
-    void report() const {
-        if (options_.status && running_ != nullptr) options_.status(running_->mirror().status());
+    void report() {
+        if (running_ == nullptr) return;
+        const MirrorStatus status = running_->mirror().status();
+        screen_->setStatus(statusLine(status));
+        if (options_.status) options_.status(status);
     }
     void end() { running_.reset(); }
 

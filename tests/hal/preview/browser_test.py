@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Looks at the mirror's page as a visitor does, in headless Chromium.
 
-    browser_test.py --server 'COMMAND …' [--expect-status-change] [--screenshot FILE]
+    browser_test.py --server 'COMMAND …' [--expect-status-change] [--wears REGEX] [--screenshot FILE]
 
 COMMAND starts a mirror with the preview display, prints its address (http://127.0.0.1:PORT/) on a line of its standard output
 and ends when its standard input is closed or it gets SIGTERM. The test passes when the page shows a picture that changes by
@@ -101,7 +101,7 @@ def stop(process):
     """Ends a process that this test started, and what it started."""
     try:
         os.killpg(process.pid, signal.SIGTERM)
-        process.wait(timeout=10)
+        process.wait(timeout=LIMIT)
     except subprocess.TimeoutExpired:
         os.killpg(process.pid, signal.SIGKILL)
         process.wait()
@@ -162,6 +162,11 @@ def look(driver, address, arguments):
     def mirror():
         return driver.run("const r = new XMLHttpRequest(); r.open('GET', '/status.json', false); r.send(); return JSON.parse(r.responseText);")
 
+    def worn():
+        found = re.search(arguments.wears, mirror()["status"])
+        return found and found.group(1)
+
+    clothes = until(driver, "somebody wears something", worn) if arguments.wears else None
     before = mirror()
     if arguments.expect_status_change:
         until(driver, "the page shows the mirror's status", lambda: driver.run("return document.getElementById('status').textContent"))
@@ -172,6 +177,8 @@ def look(driver, address, arguments):
     until(driver, "the mirror takes Next", lambda: mirror()["buttons"] == before["buttons"] + 1)
     if arguments.expect_status_change:
         until(driver, "the status line changes with Next", lambda: mirror()["status"] != before["status"])
+    if arguments.wears:
+        until(driver, f"after Next something else than {clothes} is worn", lambda: worn() not in (None, clothes))
     until(driver, f"the picture differs after Next by more than {arguments.differ} (by itself: {still:.1f})",
           lambda: min(difference(central(driver.run(GRID)), sample) for sample in samples) > arguments.differ)
 
@@ -195,6 +202,7 @@ def main():
     parser.add_argument("--server", required=True, help="command that starts the mirror and prints its address")
     parser.add_argument("--differ", type=float, default=1.5, help="least mean change of the picture's middle by Next, 0 … 255")
     parser.add_argument("--expect-status-change", action="store_true", help="Next must change the status text")
+    parser.add_argument("--wears", help="pattern of the status while clothes are worn, its group their name: Next must change it")
     parser.add_argument("--screenshot", help="leave a PNG of the page here")
     arguments = parser.parse_args()
     server = subprocess.Popen(shlex.split(arguments.server), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
@@ -212,6 +220,9 @@ def main():
             if driver:
                 driver.close()
             stop(server)
+    if server.returncode not in (0, -signal.SIGTERM):
+        print(f"failed: the mirror ended with status {server.returncode}", file=sys.stderr)
+        return 1
     return 0
 
 
