@@ -224,7 +224,10 @@ void DepthShading::light(const CameraPicture& camera, const MirrorMapping& mappi
             if (z <= 0.0F) {
                 // A hole in the scene takes what surrounds it, in the mean.
                 colour += Eigen::Array3f(13.0F, 15.0F, 19.0F) *
-                          std::min(scene_[static_cast<std::size_t>(y * width + x)] * 1.5F, 1.0F);
+                          std::min(scene_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                                          static_cast<std::size_t>(x)] *
+                                       1.5F,
+                                   1.0F);
             } else {
                 const int left = std::min(kSpan, x);
                 const int right = std::min(kSpan, width - 1 - x);

@@ -25,7 +25,7 @@ RowBlend rowBlend(float position, int rows) {
     const float floor = std::floor(centred);
     const int first = static_cast<int>(floor);
     RowBlend blend{.first = std::clamp(first, 0, rows - 1), .second = std::clamp(first + 1, 0, rows - 1)};
-    blend.weight = static_cast<unsigned>((centred - floor) * 256.0F + 0.5F);
+    blend.weight = static_cast<unsigned>(std::lround((centred - floor) * 256.0F));
     return blend;
 }
 

@@ -93,7 +93,7 @@ TEST_P(Golden, isDrawnAsItWas) {
         scene.hud.carouselCount = 3;
         scene.hud.carousel[0].name.assign("T-shirt");
         scene.hud.carousel[1].name.assign("Trousers");
-        scene.hud.carousel[2].name.assign("Both");
+        scene.hud.carousel[2].name.assign("T-shirt + Trousers");
         scene.hud.carouselSelected = 1;
         scene.hud.advice.assign("Your size: M");
         scene.hud.prompt.assign("Swipe to change");
