@@ -50,6 +50,7 @@ const Case kCases[] = {
     {.name = "service", .world = {.dressed = false}, .screen = Screen::service, .texts = true},
 };
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name.
 void PrintTo(const Case& one, std::ostream* out) {
     *out << one.name;
 }
