@@ -107,8 +107,9 @@ void checkOutfits(LoadedSettings& loaded) {
             const std::size_t end = std::min(outfit.find('+', begin), outfit.size());
             const std::string name = outfit.substr(begin, end - begin);
             if (std::find(garments.begin(), garments.end(), name) == garments.end()) {
-                refuse(loaded, "wardrobe.outfits",
-                       "\"" + outfit + "\" names \"" + name + "\", which is not in wardrobe.garments",
+                std::string cause = "\"";
+                cause.append(outfit).append("\" names \"").append(name).append("\", which is not in wardrobe.garments");
+                refuse(loaded, "wardrobe.outfits", std::move(cause),
                        garments.empty() ? "add it to wardrobe.garments"
                                         : "did you mean \"" + std::string(nearestName(name, garments)) +
                                               "\"? Else add it to wardrobe.garments",

@@ -17,6 +17,8 @@ enum class StartView : std::uint8_t { mirror, avatar };
 
 /// Settings of the whole program, one nested struct a section, e.g. `settings.sensor.heightMm`. A default-made one
 /// holds zeros and empty texts: take defaultSettings() (settings_table.h).
+// Types and names in place of arguments cannot stand in parentheses.
+// NOLINTBEGIN(bugprone-macro-parentheses)
 struct Settings {
 #define CHEVAL_SECTION(section, sentence) struct {
 #define CHEVAL_SECTION_END(section) \
@@ -31,5 +33,6 @@ struct Settings {
 #define CHEVAL_CHOICE(section, member, key, type, fallback, names, sentence) type member = type::fallback;
 #include "config/settings.def"
 };
+// NOLINTEND(bugprone-macro-parentheses)
 
 }  // namespace cheval::config
