@@ -31,11 +31,13 @@ CameraSupervisorOptions supervisorOptions(const config::Settings& settings) {
     return {.lostAfter = milliseconds(settings.sensor.lostAfterMs)};
 }
 
-std::size_t copyRows(const Scheduler& scheduler, std::span<TaskStatistics> rows) {
+/// The last row is the whole of one thread's frame, under a name that tells the two threads apart.
+std::size_t copyRows(const Scheduler& scheduler, std::string_view whole, std::span<TaskStatistics> rows) {
     const std::size_t count = scheduler.taskCount();
     for (std::size_t i = 0; i < count; ++i)
         rows[i] = scheduler.statistics(i);
     rows[count] = scheduler.frameStatistics();
+    rows[count].name = whole;
     return count + 1;
 }
 
@@ -147,7 +149,7 @@ void Mirror::afterLoop(hal::Duration taken, bool haveFrame) {
     status_.degradeLevel = ladder_.level();
     status_.degradeName = ladder_.rung().name;
     if (haveFrame) ++status_.frames;
-    loopRowCount_ = copyRows(chain_->scheduler(), loopRows_);
+    loopRowCount_ = copyRows(chain_->scheduler(), "loop, whole frame", loopRows_);
 }
 
 void Mirror::afterPicture(const Expected<hal::Duration>& shown) {
@@ -162,7 +164,7 @@ void Mirror::afterPicture(const Expected<hal::Duration>& shown) {
     status_.renderTime = shown.value();
     status_.pictures = ++picturesShown_;
     status_.framesPerSecond = rate_;
-    renderRowCount_ = copyRows(pictures_->scheduler(), renderRows_);
+    renderRowCount_ = copyRows(pictures_->scheduler(), "renderer, whole frame", renderRows_);
 }
 
 Expected<StepResult> Mirror::step(const std::function<bool(const hal::DepthFrame&)>& draw) {
