@@ -90,7 +90,7 @@ TEST(GlbWriter, WritesGarmentsAsTheFormatSays) {
     EXPECT_EQ(extra(model, "format"), "cheval-garment-1");
     EXPECT_EQ(extra(model, "name"), "T-shirt");
     EXPECT_EQ(extra(model, "kind"), "top");
-    EXPECT_EQ(model.asset.extras.Get("cheval").Get("layer").GetNumberAsInt(), 1);
+    EXPECT_EQ(model.asset.extras.Get("cheval").Get("layer").GetNumberAsInt(), 2);
     EXPECT_NEAR(model.asset.extras.Get("cheval").Get("rigidity").GetNumberAsDouble(), 0.2, 1e-6);
     EXPECT_EQ(extra(model, "template_hash"), hashText(bodyModel().body.cageTemplate.hash));
     ASSERT_NE(nodeNamed(model, "T-shirt"), nullptr);
