@@ -35,7 +35,7 @@ struct Task {
 };
 
 inline constexpr std::size_t kMaximumTasks = 16;
-/// The period that the budgets of DESIGN §5 are for.
+/// The period that the budgets in daemon/ARCHITECTURE.md are for.
 inline constexpr hal::Duration kReferencePeriod{33'333'333};
 
 struct SchedulerOptions {

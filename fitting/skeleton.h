@@ -1,4 +1,4 @@
-// The 15 joints (D1). Mirror frame of reference (DESIGN §4): metres, right-handed, +Y up, floor at y = 0 below the
+// The 15 joints (D1). Mirror frame of reference: metres, right-handed, +Y up, floor at y = 0 below the
 // display's centre, +Z from the glass towards the shopper, +X to the right of a shopper who faces the glass. Left and
 // right are the shopper's: a shopper who faces the glass has the left hand at −X.
 #pragma once
@@ -56,7 +56,7 @@ constexpr std::size_t index(Side side) {
 }
 
 /// One joint as tracked. `position` is the rig's joint centre (head: centre of the head; hand: centre of the palm;
-/// foot: the ankle). `orientation` turns rest-pose axes (A-pose, DESIGN §4) into the tracked ones. `confidence` 0…1;
+/// foot: the ankle). `orientation` turns rest-pose axes (A-pose) into the tracked ones. `confidence` 0…1;
 /// under 0.5 the joint was not seen and its position is an estimate.
 struct JointState {
     Eigen::Vector3f position = Eigen::Vector3f::Zero();

@@ -1,5 +1,5 @@
 // Time for the whole program. The product runs on SteadyClock; simulation, replay and tests run on VirtualClock, so
-// that a day can pass in minutes and no watchdog, dwell or back-off depends on the machine's speed (DESIGN §4).
+// that a day can pass in minutes and no watchdog, dwell or back-off depends on the machine's speed.
 #pragma once
 
 #include <atomic>

@@ -29,7 +29,7 @@ enum class FrameStatus {
     closed,    ///< close() was called, perhaps by another thread during the wait.
 };
 
-/// A depth camera. Thread-bound, but for close() and interrupt(), which any thread may call at any time.
+/// A depth camera. Thread-bound, but for close(), which any thread may call at any time.
 class DepthCamera {
   public:
     virtual ~DepthCamera() = default;
@@ -43,8 +43,9 @@ class DepthCamera {
     void close();
     [[nodiscard]] bool isOpen() const { return open_; }
     /// Waits for the next frame, at most `timeout` of the back end's clock. On FrameStatus::frame, `frame` is a view
-    /// that stays valid until the next call of any kind. Each frame has a sequence number greater than the one before;
-    /// when the caller was too slow, frames are skipped, never queued without bound.
+    /// that stays valid until the next call of any kind. Each frame has a sequence number greater than the one before.
+    /// When the caller is too slow, a live source skips frames and never queues them without bound; a recording never
+    /// skips: the next frame comes late instead.
     FrameStatus waitFrame(Duration timeout, DepthFrame& frame);
     /// Valid while open.
     [[nodiscard]] const CameraInfo& info() const { return info_; }

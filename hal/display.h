@@ -1,4 +1,4 @@
-// The one way to a display. A display lends its buffer to be drawn into; nothing copies a full screen (DESIGN §6).
+// The one way to a display. A display lends its buffer to be drawn into; nothing copies a full screen.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // Draws the mirror: camera picture or mannequin, garments, occlusion by the shopper's own body, and the head-up
-// display, into a buffer lent by a display (DESIGN §8; D13).
+// display, into a buffer lent by a display (D13).
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// The simulated kiosk: one world with a scripted shopper, a structured-light sensor and buttons (DESIGN §6). Its people
+// The simulated kiosk: one world with a scripted shopper, a structured-light sensor and buttons. Its people
 // are capsules and lofted limbs of its own, never the model that fitting/body fits.
 #pragma once
 
