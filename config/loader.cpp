@@ -25,9 +25,12 @@ LoadedSettings startFromDefaults() {
 
 void readFile(const fs::path& path, LoadedSettings& loaded) {
     std::error_code failed;
-    const std::uintmax_t size = fs::is_regular_file(path, failed) ? fs::file_size(path, failed) : 0;
-    std::ifstream stream(path, std::ios::binary);
-    if (failed || !stream || !fs::is_regular_file(path, failed)) {
+    // Only a regular file is opened: opening a pipe that nobody writes to would wait for ever.
+    const bool regular = fs::is_regular_file(path, failed);
+    const std::uintmax_t size = regular ? fs::file_size(path, failed) : 0;
+    std::ifstream stream;
+    if (regular) stream.open(path, std::ios::binary);
+    if (failed || !regular || !stream) {
         addProblem(loaded, Error{.code = ErrorCode::unavailable,
                                  .cause = "the file cannot be read",
                                  .mend = "check that it is a file and may be read by the service's user",

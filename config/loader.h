@@ -1,5 +1,5 @@
 // Reads settings: /etc/cheval/cheval.toml and cheval.toml.d/*.toml, in the order of their names, over the shipped
-// cheval.toml, over the table's defaults (DESIGN §9).
+// cheval.toml, over the table's defaults.
 #pragma once
 
 #include <cstddef>
@@ -8,12 +8,14 @@
 #include <vector>
 
 #include "config/settings.h"
+#include "config/shipped_files.h"
 #include "hal/expected.h"
 
 namespace cheval::config {
 
-/// Where the product's files are.
-inline constexpr std::string_view kShippedFile = "/usr/lib/cheval/cheval.toml";
+/// Where the shipped file is, under the prefix that the program is installed to; see shippedPath().
+inline constexpr std::string_view kShippedFile = "lib/cheval/cheval.toml";
+/// Where the settings of this mirror are.
 inline constexpr std::string_view kSystemFolder = "/etc/cheval";
 
 /// Bounds on what is read, checked before anything is parsed.
@@ -23,7 +25,8 @@ inline constexpr std::size_t kMaximumDropIns = 64;
 inline constexpr std::size_t kMaximumProblems = 32;
 
 struct LoadOptions {
-    std::string shippedFile = std::string(kShippedFile);
+    /// Empty, as in a build tree, where nothing is shipped: the table's defaults hold.
+    std::string shippedFile = shippedPath(kShippedFile);
     std::string folder = std::string(kSystemFolder);
     /// The folder was named by a person: it is a problem when it, or anything to read in it, is missing.
     bool folderRequired = false;

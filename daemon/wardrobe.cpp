@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <system_error>
 #include <utility>
 
 #include "config/nearest_name.h"
+#include "config/shipped_files.h"
 
 namespace cheval::daemon {
 
@@ -111,11 +111,8 @@ Expected<std::size_t> chooseOutfit(Wardrobe& wardrobe, std::string_view names) {
 }
 
 std::string shippedAssetsFolder() {
-    std::error_code failed;
-    const fs::path program = fs::read_symlink("/proc/self/exe", failed);
-    const fs::path installed = program.parent_path().parent_path() / "share/cheval/assets";
-    if (!failed && fs::is_directory(installed, failed)) return installed.string();
-    return CHEVAL_BUILT_ASSETS;
+    std::string installed = config::shippedPath("share/cheval/assets");
+    return installed.empty() ? CHEVAL_BUILT_ASSETS : installed;
 }
 
 }  // namespace cheval::daemon

@@ -8,6 +8,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "config/settings_table.h"
 
@@ -127,8 +128,6 @@ TEST(Loader, withoutFilesGivesTheDefaults) {
     EXPECT_TRUE(loaded.good());
     EXPECT_EQ(describeSettings(loaded.settings, {}), describeSettings(defaultSettings(), {}));
     EXPECT_FALSE(loaded.settings.preview.enabled);
-    EXPECT_FALSE(loaded.settings.privacy.photos);
-    EXPECT_FALSE(loaded.settings.privacy.record);
 }
 
 TEST(Loader, readsDropInsInTheOrderOfTheirNamesOverTheFile) {
@@ -185,6 +184,15 @@ TEST(Loader, refusesAFolderInPlaceOfAFileAndAnOversizedFile) {
     EXPECT_THAT(loaded.problems[1].mend, testing::HasSubstr("keep settings files under"));
 }
 
+TEST(Loader, refusesAPipeInsteadOfWaitingForItsWriter) {
+    const Folder folder;
+    ASSERT_EQ(mkfifo((folder.path() + "/cheval.toml").c_str(), 0600), 0);
+    const LoadedSettings loaded = folder.load();
+    ASSERT_EQ(loaded.problems.size(), 1U);
+    EXPECT_EQ(loaded.problems[0].code, ErrorCode::unavailable);
+    EXPECT_EQ(loaded.problems[0].file, folder.path() + "/cheval.toml");
+}
+
 TEST(Loader, reportsEveryProblemUpToABound) {
     const LoadedSettings two =
         loadSettingsText("[sensor]\ntilt_deg = 99\nrol_deg = 1\n[loop]\nfps = \"x\"\n", "a.toml");
@@ -218,8 +226,8 @@ TEST(Loader, describesWhatItCanReadBack) {
     settings.sensor.folder = "/data/\"quoted\"\\and\ttabbed";
     settings.sensor.source = SensorSource::replay;
     settings.sensor.heightMm = 1234.5;
-    settings.wardrobe.garments = {"tshirt", "trousers", "coat"};
-    settings.privacy.photos = true;
+    settings.wardrobe.garments.emplace_back("coat");
+    settings.preview.enabled = true;
     const std::string text = describeSettings(settings, {});
     const LoadedSettings loaded = loadSettingsText(text, "/a.toml");
     ASSERT_TRUE(loaded.good()) << loaded.problems.front().message();
