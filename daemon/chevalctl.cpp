@@ -1,7 +1,11 @@
 // For technicians and merchandisers.
+#include <charconv>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <string_view>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -56,28 +60,50 @@ int checkConfig(const config::LoadOptions& options) {
     return loaded.good() ? kGood : kBadSettings;
 }
 
-/// "1080x1920" into the display's settings; false when it is no size.
-bool applySize(const std::string& size, config::Settings& settings) {
-    if (size.empty()) return true;
+/// Reads digits off the front of `text`; false where there are none, or more than a size can have.
+bool takeNumber(std::string_view& text, int& value) {
+    const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (fault != std::errc() || value < 0) return false;
+    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+    return true;
+}
+
+/// Puts "WIDTHxHEIGHT" in place of the display's size; empty leaves it as it is.
+Expected<void> applySize(const std::string& size, config::Settings& settings) {
+    if (size.empty()) return {};
     int width = 0;
     int height = 0;
-    char extra = 0;
-    if (std::sscanf(size.c_str(), "%dx%d%c", &width, &height, &extra) != 2) return false;  // NOLINT(cert-err34-c)
+    std::string_view rest = size;
+    const bool wide = takeNumber(rest, width) && rest.starts_with('x');
+    if (wide) rest.remove_prefix(1);
+    if (!wide || !takeNumber(rest, height) || !rest.empty()) {
+        return Error{.code = ErrorCode::invalidInput,
+                     .cause = "--size: \"" + size + "\" is no size",
+                     .mend = "write it like 1080x1920"};
+    }
     for (const config::Setting& setting : config::settingsTable()) {
-        const int value = setting.path == "display.width" ? width : height;
-        if (setting.path != "display.width" && setting.path != "display.height") continue;
-        if (value < setting.low || value > setting.high) return false;
+        const bool isWidth = setting.path == "display.width";
+        if (!isWidth && setting.path != "display.height") continue;
+        const int value = isWidth ? width : height;
+        if (value < setting.low || value > setting.high) {
+            return Error{
+                .code = ErrorCode::invalidInput,
+                .cause = fmt::format("--size: \"{}\" has a {} out of range", size, isWidth ? "width" : "height"),
+                .mend = fmt::format("give a {} of {} to {} pixels", isWidth ? "width" : "height", setting.low,
+                                    setting.high)};
+        }
         setting.set(settings, std::int64_t{value});
     }
-    return true;
+    return {};
 }
 
 int replay(const config::LoadOptions& where, ReplayArguments& arguments) {
     config::LoadedSettings loaded = config::loadSettings(where);
     printProblems(loaded);
     if (!loaded.good()) return kBadSettings;
-    if (!applySize(arguments.size, loaded.settings)) {
-        daemon::log(Severity::error, "--size: \"" + arguments.size + "\" is no size. Mend: write it like 1080x1920.");
+    const Expected<void> sized = applySize(arguments.size, loaded.settings);
+    if (!sized) {
+        daemon::log(Severity::error, sized.error().message());
         return kUsage;
     }
     arguments.options.avatarView = arguments.view == "avatar";

@@ -1,11 +1,13 @@
 // A server for the browser test: a moving picture whose colour changes with Next. Prints its address and runs until its
-// input ends.
+// input ends or SIGTERM comes; either way it ends as a mirror does, with status 0.
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <string>
 
 #include <poll.h>
+#include <sys/signalfd.h>
 #include <unistd.h>
 
 #include "hal/preview/preview_server.h"
@@ -27,10 +29,21 @@ void draw(hal::ImageView<hal::Rgba8> pixels, int frame, hal::Rgba8 colour) {
     }
 }
 
-bool inputOver(hal::Duration limit) {
-    pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+// SIGTERM as something to poll. Called before there is any thread, so that none of them is ended by it.
+int openTermination() {
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+    return ::signalfd(-1, &signals, SFD_CLOEXEC);
+}
+
+bool over(int termination, hal::Duration limit) {
+    std::array<pollfd, 2> ends{pollfd{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0},
+                               pollfd{.fd = termination, .events = POLLIN, .revents = 0}};
     const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(limit).count();
-    if (::poll(&input, 1, static_cast<int>(milliseconds)) <= 0) return false;
+    if (::poll(ends.data(), ends.size(), static_cast<int>(milliseconds)) <= 0) return false;
+    if (ends[1].revents != 0) return true;
     char byte = 0;
     return ::read(STDIN_FILENO, &byte, 1) <= 0;
 }
@@ -38,6 +51,8 @@ bool inputOver(hal::Duration limit) {
 }  // namespace
 
 int main() {
+    const int termination = openTermination();
+    if (termination < 0) return 1;
     hal::SteadyClock clock;
     auto server = hal::startPreview({.mode = {.width = 270, .height = 480}, .port = 0, .streamWidth = 270}, clock);
     if (!server) {
@@ -49,7 +64,7 @@ int main() {
     std::printf("%s\n", (*server)->address().c_str());
     std::fflush(stdout);
     std::size_t chosen = 0;
-    for (int frame = 0; !inputOver(std::chrono::milliseconds(33)); ++frame) {
+    for (int frame = 0; !over(termination, std::chrono::milliseconds(33)); ++frame) {
         std::array<hal::ButtonEvent, 8> events;
         const auto pressed = (*server)->buttons().poll(events);
         for (std::size_t i = 0; pressed && i < *pressed; ++i) {
