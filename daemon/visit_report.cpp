@@ -14,6 +14,7 @@
 #include "daemon/contact_sheet.h"
 #include "daemon/even_samples.h"
 #include "hal/png/png.h"
+#include "hal/shrink.h"
 
 namespace cheval::daemon {
 namespace {
@@ -22,40 +23,6 @@ struct SheetCandidate {
     hal::Image<hal::Rgba8> picture;
     std::string caption;
 };
-
-/// Averages boxes of source pixels; `to` has its size already and is no larger than `from`.
-void shrink(hal::ImageView<const hal::Rgba8> from, hal::Image<hal::Rgba8>& to, std::vector<std::uint32_t>& sums) {
-    sums.resize(static_cast<std::size_t>(from.width) * 3);
-    for (int y = 0; y < to.height; ++y) {
-        const int top = static_cast<int>(static_cast<std::int64_t>(y) * from.height / to.height);
-        const int bottom = static_cast<int>(static_cast<std::int64_t>(y + 1) * from.height / to.height);
-        std::fill(sums.begin(), sums.end(), 0U);
-        for (int sourceY = top; sourceY < bottom; ++sourceY) {
-            const hal::Rgba8* row = from.row(sourceY);
-            for (int x = 0; x < from.width; ++x) {
-                std::uint32_t* sum = &sums[static_cast<std::size_t>(x) * 3];
-                sum[0] += row[x].r;
-                sum[1] += row[x].g;
-                sum[2] += row[x].b;
-            }
-        }
-        hal::Rgba8* out = to.view().row(y);
-        for (int x = 0; x < to.width; ++x) {
-            const int left = static_cast<int>(static_cast<std::int64_t>(x) * from.width / to.width);
-            const int right = static_cast<int>(static_cast<std::int64_t>(x + 1) * from.width / to.width);
-            std::uint32_t total[3] = {0, 0, 0};
-            for (int sourceX = left; sourceX < right; ++sourceX) {
-                const std::uint32_t* sum = &sums[static_cast<std::size_t>(sourceX) * 3];
-                total[0] += sum[0];
-                total[1] += sum[1];
-                total[2] += sum[2];
-            }
-            const auto area = static_cast<std::uint32_t>((right - left) * (bottom - top));
-            const auto mean = [&](std::uint32_t sum) { return static_cast<std::uint8_t>((sum + area / 2) / area); };
-            out[x] = {mean(total[0]), mean(total[1]), mean(total[2]), 255};
-        }
-    }
-}
 
 Expected<void> requireRange(const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high)) {
@@ -188,7 +155,7 @@ void VisitReport::addFrame(hal::ImageView<const hal::Rgba8> frame, hal::TimePoin
     if ((!forSheet && !forAnimation) || frame.width < state.small.width || frame.height < state.small.height) {
         return;
     }
-    shrink(frame, state.small, state.sums);
+    hal::shrink(frame, state.small.view(), state.sums);
     if (forSheet) {
         state.candidates.keep(time, {.picture = state.small, .caption = std::string(caption)});
     }

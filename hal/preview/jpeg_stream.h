@@ -20,10 +20,6 @@ struct JpegPicture {
     std::uint64_t number = 0;  ///< PreviewDisplay::Picture::number.
 };
 
-/// Shrinks `from` to `to`'s size, which must not be larger, as the mean over each target pixel's whole source pixels.
-/// `sums` is scratch.
-void shrink(ImageView<const Rgba8> from, ImageView<Rgba8> to, std::vector<std::uint32_t>& sums);
-
 /// The encoder. It keeps one picture; viewers that are slow miss those in between. Thread-safe.
 class JpegStream {
   public:
