@@ -143,8 +143,8 @@ void HttpServer::run() {
 }
 
 void HttpServer::end() {
-    // The library forgets a stop that comes before its loop has begun.
-    while (!is_running())
+    // The library forgets a stop that comes before its loop has begun. A loop that ended by itself begins no more.
+    while (!is_running() && !finished_)
         std::this_thread::yield();
     {
         const std::lock_guard lock(mutex_);
