@@ -29,14 +29,6 @@ std::span<const Rung> DegradeLadder::rungs() {
 
 DegradeLadder::DegradeLadder(const LadderOptions& options) : options_(options), upAfter_(options.upAfter) {}
 
-void DegradeLadder::reset() {
-    level_ = 0;
-    late_ = 0;
-    spare_ = 0;
-    upAfter_ = options_.upAfter;
-    steppedUp_ = false;
-}
-
 const Rung& DegradeLadder::rung() const {
     return kRungs[level_];
 }

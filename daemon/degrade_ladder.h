@@ -39,8 +39,6 @@ class DegradeLadder {
     [[nodiscard]] const Rung& rung() const;
     /// 0 at the top.
     [[nodiscard]] std::size_t level() const { return level_; }
-    /// Back to the top, all forgotten.
-    void reset();
 
     static std::span<const Rung> rungs();
 

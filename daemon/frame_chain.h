@@ -65,7 +65,6 @@ class FrameChain {
 
     /// Results of the last process().
     [[nodiscard]] const Session& session() const { return session_; }
-    [[nodiscard]] Session& session() { return session_; }
     [[nodiscard]] const fitting::Tracker& tracker() const { return *tracker_; }
     /// Gestures of the last frame are in it only if the hands were read in that frame.
     [[nodiscard]] const fitting::Hands& hands() const { return hands_; }

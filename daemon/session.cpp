@@ -41,10 +41,6 @@ void Session::reset() {
     lastSeen_ = now_;
 }
 
-void Session::select(std::size_t outfit) {
-    if (outfit < options_.outfitCount) outfit_ = outfit;
-}
-
 void Session::step(std::ptrdiff_t by) {
     const auto count = static_cast<std::ptrdiff_t>(options_.outfitCount);
     if (count == 0) return;

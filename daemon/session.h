@@ -29,7 +29,7 @@ struct SessionOptions {
     hal::Duration acquire = hal::fromSeconds(0.3);       ///< Joints seen before dressing.
     hal::Duration acquireLimit = hal::fromSeconds(2.0);  ///< Dressed after this long without a measurement.
     hal::Duration leave = hal::fromSeconds(1.0);         ///< Unseen before the clothes come off.
-    hal::Duration gone = hal::fromSeconds(3.0);          ///< Leaving before the visit is over.
+    hal::Duration gone = hal::fromSeconds(2.0);          ///< Leaving before the visit is over.
     bool swipeLeftIsNext =
         true;  ///< The hand pushes the row of clothes: pushed to the left, the next comes from the right.
     std::size_t outfitCount = 0;
@@ -56,8 +56,6 @@ class Session {
     void update(const SessionInput& input);
     /// Nobody is there and nothing was chosen (a recording's next still, a sensor reopened).
     void reset();
-    /// Chooses an outfit at once, e.g. for a replay; out of range is ignored.
-    void select(std::size_t outfit);
 
     [[nodiscard]] SessionState state() const { return state_; }
     /// Clothes are drawn.
