@@ -189,7 +189,7 @@ void FrameChain::updateSession() {
     if (input_->frame != nullptr) {
         input.userId = tracker_->users().activeId;
         input.jointsSeen = enoughJoints(tracker_->skeleton());
-        input.measured = estimator_ != nullptr && estimator_->shape().revision > 0;
+        input.measured = estimator_ != nullptr && estimator_->shape().measured;
         input.gestures = std::span(hands_.gestures.data(), std::min(hands_.gestureCount, hands_.gestures.size()));
     }
     // Without a mannequin there is nothing to wear: the session stays before the dressing.

@@ -46,6 +46,7 @@ struct Measurements {
 /// knows.
 struct BodyShape {
     Eigen::Vector3f scale = Eigen::Vector3f::Ones();
+    bool measured = false;  ///< A shopper shaped it; false: the mannequin as it is, before the first estimate.
     bool converged = false;
     std::uint32_t revision = 0;
 };

@@ -161,8 +161,9 @@ struct BodyEstimator::State {
         measurements = {};
         frames = 0;
         sinceShape = 0;
-        if (shape.scale != Eigen::Vector3f::Ones() || shape.converged) {
+        if (shape.measured) {
             shape.scale.setOnes();
+            shape.measured = false;
             shape.converged = false;
             ++shape.revision;
         }
@@ -293,11 +294,12 @@ void BodyEstimator::State::reshape() {
     const float x = std::clamp(std::clamp(breadth ? *breadth : *height, kNarrowest * y, kBroadest * y), kSmallestScale,
                                kLargestScale);
     const Eigen::Vector3f scale(x, y, 0.5F * (x + y));
-    const bool first = shape.scale == Eigen::Vector3f::Ones();
+    const bool first = !shape.measured;
     const bool converges = measurements.converged && !shape.converged;
     const bool differs = ((scale - shape.scale).array().abs() > kWorthFitting * shape.scale.array()).any();
     if (!first && !converges && !(differs && sinceShape >= kDwellFrames)) return;
     shape.scale = scale;
+    shape.measured = true;
     shape.converged = measurements.converged;
     ++shape.revision;
     sinceShape = 0;

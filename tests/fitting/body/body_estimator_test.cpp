@@ -222,6 +222,23 @@ TEST(BodyEstimator, StartsAnewForAnotherShopperAndAfterARestart) {
     EXPECT_FALSE(scene.estimator.shape().converged);
 }
 
+TEST(BodyEstimator, CallsTheShapeMeasuredAnewForEachShopper) {
+    Scene scene({1.2F, 1.1F, 1.15F});
+    EXPECT_FALSE(scene.estimator.shape().measured);
+    scene.see(1);
+    EXPECT_FALSE(scene.estimator.shape().measured);
+    scene.see(39);
+    EXPECT_TRUE(scene.estimator.shape().measured);
+    scene.users.users[0].id = scene.users.activeId = scene.skeleton.userId = 6;
+    scene.see(1);
+    EXPECT_GT(scene.estimator.shape().revision, 0U);
+    EXPECT_FALSE(scene.estimator.shape().measured) << "the first shopper's measurement is not the second's";
+    scene.see(39);
+    EXPECT_TRUE(scene.estimator.shape().measured);
+    scene.estimator.reset();
+    EXPECT_FALSE(scene.estimator.shape().measured);
+}
+
 TEST(BodyEstimator, StaysWithinHumanProportions) {
     Scene scene({1.0F, 1.0F, 1.0F});
     for (const Joint joint : {Joint::leftShoulder, Joint::rightShoulder, Joint::leftHip, Joint::rightHip}) {
