@@ -201,7 +201,7 @@ void Mirror::runLoop() {
     }
 }
 
-void Mirror::runRenderer(std::promise<Expected<void>>& standing) {
+void Mirror::runRenderer(std::promise<Expected<void>> standing) {
     Expected<void> made = makePictures();
     const bool good = made.hasValue();
     standing.set_value(std::move(made));
@@ -227,7 +227,7 @@ void Mirror::runRenderer(std::promise<Expected<void>>& standing) {
 Expected<void> Mirror::start() {
     std::promise<Expected<void>> standing;
     std::future<Expected<void>> stands = standing.get_future();
-    renderThread_ = std::thread([this, &standing] { runRenderer(standing); });
+    renderThread_ = std::thread([this, standing = std::move(standing)]() mutable { runRenderer(std::move(standing)); });
     Expected<void> made = stands.get();
     if (!made) {
         renderThread_.join();

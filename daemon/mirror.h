@@ -103,7 +103,7 @@ class Mirror {
     void afterLoop(hal::Duration taken, bool haveFrame);
     void afterPicture(const Expected<hal::Duration>& shown);
     void runLoop();
-    void runRenderer(std::promise<Expected<void>>& standing);
+    void runRenderer(std::promise<Expected<void>> standing);
     [[nodiscard]] bool tooSoon(const hal::DepthFrame& frame);
 
     config::Settings settings_;
