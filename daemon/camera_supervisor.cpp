@@ -19,6 +19,16 @@ void CameraSupervisor::stop() {
     if (camera_ != nullptr) camera_->close();
 }
 
+Expected<void> CameraSupervisor::checkSize(const hal::CameraInfo& info) const {
+    const auto size = [](int width, int height) { return std::to_string(width) + "×" + std::to_string(height); };
+    const hal::Intrinsics& has = info.intrinsics;
+    if (has.width == options_.width && has.height == options_.height) return {};
+    return Error{.code = ErrorCode::invalidInput,
+                 .cause = "the pictures of \"" + info.name + "\" are " + size(has.width, has.height) + " pixels",
+                 .mend = "resize the recording, or set the sensor, to " + size(options_.width, options_.height),
+                 .why = "tracking reads pictures of " + size(options_.width, options_.height)};
+}
+
 bool CameraSupervisor::open() {
     if (camera_ == nullptr) {
         Expected<std::unique_ptr<hal::DepthCamera>> made = factory_();
@@ -32,6 +42,11 @@ bool CameraSupervisor::open() {
     Expected<void> opened = camera_->open();
     if (!opened) {
         lose(std::move(opened).error());
+        return false;
+    }
+    Expected<void> fits = checkSize(camera_->info());
+    if (!fits) {
+        lose(std::move(fits).error());
         return false;
     }
     info_ = camera_->info();
@@ -85,7 +100,7 @@ CameraNext CameraSupervisor::next(hal::DepthFrame& frame) {
             pauseNow_ = options_.firstPause;
             return CameraNext::frame;
         case hal::FrameStatus::timedOut:
-            if (clock_.now() - lastFrame_ >= options_.lostAfter) {
+            if (options_.lostAfter && clock_.now() - lastFrame_ >= *options_.lostAfter) {
                 lose(Error{.code = ErrorCode::timedOut,
                            .cause = "the camera \"" + info_.name + "\" is open but sends no frames",
                            .mend = "check its cable and its power; it is reopened by itself",

@@ -18,10 +18,13 @@ namespace cheval::daemon {
 using CameraFactory = std::function<Expected<std::unique_ptr<hal::DepthCamera>>()>;
 
 struct CameraSupervisorOptions {
-    hal::Duration lostAfter = std::chrono::seconds(1);           ///< Without a frame for this long the camera is lost.
+    /// Without a frame for this long the camera is lost; std::nullopt: never (a recording's gap is no fault).
+    std::optional<hal::Duration> lostAfter = std::chrono::seconds(1);
     hal::Duration longestWait = std::chrono::milliseconds(100);  ///< Of one call of next().
     hal::Duration firstPause = std::chrono::milliseconds(500);   ///< Before the first reopening; doubles …
     hal::Duration longestPause = std::chrono::seconds(30);       ///< … up to this; reset by a frame.
+    int width = 640;  ///< Of the pictures that can be used; a camera with others is refused when it opens.
+    int height = 480;
 };
 
 enum class CameraState : std::uint8_t {
@@ -56,6 +59,7 @@ class CameraSupervisor {
 
   private:
     bool open();
+    [[nodiscard]] Expected<void> checkSize(const hal::CameraInfo& info) const;
     void lose(Error why);
     CameraNext pause(hal::TimePoint until);
 

@@ -227,7 +227,9 @@ void FrameChain::handOver() {
         const fitting::Users& users = tracker_->users();
         hal::copyInto(frame.depth, packet.depth);
         hal::copyInto(frame.colour, packet.colour);
-        hal::copyInto(users.map, packet.userMap);
+        // The renderer takes pictures of one size alone.
+        const bool sameSize = users.map.width == frame.depth.width && users.map.height == frame.depth.height;
+        hal::copyInto(sameSize ? users.map : hal::ImageView<const std::uint8_t>{}, packet.userMap);
         packet.intrinsics = frame.intrinsics;
         packet.sourceIndex = frame.sourceIndex;
         packet.placement = tracker_->placement();

@@ -6,6 +6,7 @@
 #include "daemon/hud_writer.h"
 #include "daemon/log.h"
 #include "daemon/room_options.h"
+#include "fitting/tracking/cloud.h"
 
 namespace cheval::daemon {
 
@@ -28,7 +29,12 @@ FrameChainOptions chainOptions(const config::Settings& settings, const Wardrobe&
 }
 
 CameraSupervisorOptions supervisorOptions(const config::Settings& settings) {
-    return {.lostAfter = milliseconds(settings.sensor.lostAfterMs)};
+    CameraSupervisorOptions options{.lostAfter = milliseconds(settings.sensor.lostAfterMs),
+                                    .width = fitting::tracking::kFrameWidth,
+                                    .height = fitting::tracking::kFrameHeight};
+    // A recording may hold gaps of any length, and any number of pictures a second: neither is a lost camera.
+    if (settings.sensor.source == config::SensorSource::replay) options.lostAfter.reset();
+    return options;
 }
 
 /// The last row is the whole of one thread's frame, under a name that tells the two threads apart.

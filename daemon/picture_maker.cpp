@@ -1,5 +1,6 @@
 #include "daemon/picture_maker.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -12,6 +13,13 @@ using std::chrono::milliseconds;
 
 /// A display that gives no buffer for this long is out of order.
 constexpr hal::Duration kLongestLoan = milliseconds(200);
+/// Shown where a picture could not be drawn: dark, as a mirror in an unlit room.
+constexpr hal::Rgba8 kUndrawn{.r = 22, .g = 24, .b = 28, .a = 255};
+
+void fill(hal::ImageView<hal::Rgba8> pixels, hal::Rgba8 colour) {
+    for (int y = 0; y < pixels.height; ++y)
+        std::fill_n(pixels.row(y), pixels.width, colour);
+}
 
 }  // namespace
 
@@ -38,6 +46,8 @@ struct PictureMaker::Tasks {
     }
     static void present(void* context) {
         PictureMaker& maker = self(context);
+        // What a lent buffer holds before it is drawn is anything: an old picture, or nothing.
+        if (!maker.outcome_) fill(maker.buffer_.pixels, kUndrawn);
         if (maker.outcome_ && maker.options_.observer) {
             maker.cost_->pause();
             maker.options_.observer(*maker.packet_, maker.buffer_.pixels);

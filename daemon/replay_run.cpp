@@ -68,6 +68,7 @@ Expected<ReplayReport> replayRecording(const config::Settings& given, const Repl
     if (!checked) return std::move(checked).error();
 
     config::Settings settings = given;
+    settings.sensor.source = config::SensorSource::replay;
     settings.display.kind = config::DisplayKind::headless;
     settings.render.view = options.avatarView ? config::StartView::avatar : config::StartView::mirror;
     Wardrobe wardrobe = loadWardrobe(wardrobeOptions(settings));

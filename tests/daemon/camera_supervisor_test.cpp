@@ -99,6 +99,14 @@ TEST_F(CameraSupervisorTest, givesUpOnAStalledStreamAfterTheSetTime) {
     EXPECT_EQ(script_.closed, 1);
 }
 
+TEST_F(CameraSupervisorTest, neverGivesUpOnARecordingForItsGaps) {
+    script_.steps = {Does::frame, Does::timeOut};
+    CameraSupervisor supervisor = make({.lostAfter = std::nullopt});
+    secondsUntil(supervisor, CameraState::streaming);
+    EXPECT_EQ(secondsUntil(supervisor, CameraState::lost), -1.0);
+    EXPECT_FALSE(supervisor.fault());
+}
+
 TEST_F(CameraSupervisorTest, backsOffUpToABoundAndForgetsItWithAFrame) {
     missing_ = true;
     script_.steps = {Does::frame};

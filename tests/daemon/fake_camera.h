@@ -18,6 +18,9 @@ struct CameraScript {
     int opened = 0;
     int closed = 0;
     std::uint64_t sequence = 0;
+    int width = 640;  ///< Of the depth picture.
+    int height = 480;
+    int colourWidth = 640;  ///< Another than the depth's is a fault of the camera.
 
     Does next() {
         const Does does = steps.front();
@@ -26,11 +29,14 @@ struct CameraScript {
     }
 };
 
-/// Frames of 640 by 480 without a reading, 30 a second.
+/// Frames without a reading, 30 a second.
 class FakeCamera final : public hal::DepthCamera {
   public:
     FakeCamera(CameraScript& script, hal::Clock& clock)
-        : script_(script), clock_(clock), depth_(640, 480), colour_(640, 480) {}
+        : script_(script),
+          clock_(clock),
+          depth_(script.width, script.height),
+          colour_(script.colourWidth, script.height) {}
     ~FakeCamera() override { close(); }
     FakeCamera(const FakeCamera&) = delete;
     FakeCamera& operator=(const FakeCamera&) = delete;
@@ -42,7 +48,7 @@ class FakeCamera final : public hal::DepthCamera {
             return Error{.code = ErrorCode::unavailable, .cause = "busy", .mend = "wait"};
         }
         ++script_.opened;
-        return hal::CameraInfo{.name = "fake"};
+        return hal::CameraInfo{.name = "fake", .intrinsics = {.width = script_.width, .height = script_.height}};
     }
     void doClose() override { ++script_.closed; }
     hal::FrameStatus doWaitFrame(hal::Duration timeout, hal::DepthFrame& frame, hal::Interrupt& interrupt) override {

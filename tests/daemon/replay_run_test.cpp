@@ -99,6 +99,26 @@ TEST_F(ReplayRunTest, refusesPicturesOfAnotherSize) {
     EXPECT_THAT(report.error().message(), testing::HasSubstr("320"));
 }
 
+TEST_F(ReplayRunTest, refusesARecordingThatTrackingCannotRead) {
+    record(2, 320, 240);
+    std::ofstream(folder_ / "sensor.json") << R"({"width": 320, "height": 240, "fx": 285, "fy": 285, "cx": 159.5,
+ "cy": 119.5, "depth_unit_mm": 1, "fps": 15, "mount": {"height_mm": 1250, "tilt_deg": 0, "roll_deg": 0}})";
+    const Expected<ReplayReport> report = run({});
+    ASSERT_FALSE(report);
+    EXPECT_THAT(report.error().cause, testing::HasSubstr("320×240"));
+    EXPECT_THAT(report.error().mend, testing::HasSubstr("640×480"));
+    EXPECT_FALSE(report.error().why.empty());
+}
+
+TEST_F(ReplayRunTest, playsARecordingWithALongGapToItsEnd) {
+    record(3);
+    // Sixty pictures at fifteen a second are missing: four seconds without any.
+    fs::rename(folder_ / "depth-2.png", folder_ / "depth-62.png");
+    const Expected<ReplayReport> report = run({});
+    ASSERT_TRUE(report) << report.error().message();
+    EXPECT_EQ(report->frames, 3U);
+}
+
 TEST_F(ReplayRunTest, refusesATracksFileThatCannotBeWritten) {
     record(1);
     EXPECT_FALSE(run({.tracks = "/nonexistent/t.jsonl"}));
