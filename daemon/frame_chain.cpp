@@ -248,7 +248,8 @@ void FrameChain::handOver() {
               .displayWidth = displayWidth_,
               .displayHeight = displayHeight_,
               .fault = input_->fault,
-              .notice = input_->notice},
+              .notice = input_->notice,
+              .showNotice = input_->showNotice},
              packet.hud);
 }
 

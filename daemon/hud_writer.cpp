@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <filesystem>
 #include <string>
 
 namespace cheval::daemon {
@@ -42,8 +43,9 @@ render::Screen screenOf(const HudSources& sources) {
     if (sources.session->serviceScreen() || !sources.fault.empty()) return render::Screen::service;
     switch (sources.session->state()) {
         case SessionState::idle:
-            return render::Screen::attract;
+            return sources.showNotice ? render::Screen::service : render::Screen::attract;
         case SessionState::approaching:
+            return sources.showNotice ? render::Screen::service : render::Screen::acquiring;
         case SessionState::acquiring:
         case SessionState::leaving:
             return render::Screen::acquiring;
@@ -72,8 +74,9 @@ std::string_view promptOf(SessionState state) {
 }  // namespace
 
 std::string serviceText(const Error& error) {
-    std::string text =
-        error.file.empty() ? "" : error.file + (error.line > 0 ? ":" + std::to_string(error.line) : "") + ": ";
+    std::string text = std::filesystem::path(error.file).filename().string();
+    if (text.empty()) text = error.file;
+    if (!text.empty()) text += (error.line > 0 ? ":" + std::to_string(error.line) : "") + ": ";
     if (!error.key.empty()) text += error.key + ": ";
     text += error.cause;
     if (!error.mend.empty()) text += ". Mend: " + error.mend;

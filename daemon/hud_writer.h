@@ -27,9 +27,10 @@ struct HudSources {
     int displayHeight = 1920;
     std::string_view fault;   ///< Why there are no frames; empty: there are.
     std::string_view notice;  ///< What a technician should know besides (refused settings, refused garments).
+    bool showNotice = false;  ///< Opens the service screen while nobody is being dressed.
 };
 
-/// "cause. Mend: …", cut to what a service screen holds.
+/// "file: cause. Mend: …" for a service screen, with the file's name alone: its folders would crowd out the mend.
 std::string serviceText(const Error& error);
 
 /// The carousel's names; needed once, and again when the wardrobe changes.

@@ -17,6 +17,8 @@ using std::chrono::milliseconds;
 /// Without a new packet for this long the renderer shows the last one again: a display that goes to sleep is a dark
 /// one.
 constexpr hal::Duration kRedrawAfter = milliseconds(250);
+/// Long enough to read a new notice, and to fetch somebody who should.
+constexpr hal::Duration kNoticeShown = std::chrono::seconds(8);
 
 FrameChainOptions chainOptions(const config::Settings& settings, const Wardrobe& wardrobe,
                                const hal::DisplayMode& mode) {
@@ -117,10 +119,19 @@ bool Mirror::tooSoon(const hal::DepthFrame& frame) {
 
 void Mirror::turn(bool haveFrame, FramePacket& packet) {
     const hal::TimePoint now = parts_.clock->now();
-    render::FixedText<256> notice;
+    render::FixedText<512> notice;
     {
         const std::lock_guard lock(shared_);
         notice = notice_;
+        noticeWaits_ = noticeWaits_ || noticeNew_;
+        noticeNew_ = false;
+    }
+    // Whoever is being dressed is not disturbed; the notice's time begins when they have gone.
+    const SessionState state = chain_->session().state();
+    const bool undisturbed = state == SessionState::idle || state == SessionState::approaching;
+    if (noticeWaits_ && undisturbed) {
+        noticeWaits_ = false;
+        noticeUntil_ = now + kNoticeShown;
     }
     const hal::Duration taken = chain_->process({.frame = haveFrame ? &frame_ : nullptr,
                                                  .time = haveFrame ? frame_.captureTime : now,
@@ -128,6 +139,7 @@ void Mirror::turn(bool haveFrame, FramePacket& packet) {
                                                  .buttons = parts_.buttons,
                                                  .fault = faultText_,
                                                  .notice = notice.view(),
+                                                 .showNotice = notice.length > 0 && now < noticeUntil_,
                                                  .renderScale = ladder_.rung().renderScale},
                                                 packet);
     afterLoop(taken, haveFrame);
@@ -256,6 +268,7 @@ void Mirror::stop() {
 void Mirror::setNotice(std::string_view notice) {
     const std::lock_guard lock(shared_);
     notice_.assign(notice);
+    noticeNew_ = !notice.empty();
 }
 
 MirrorStatus Mirror::status() const {

@@ -45,7 +45,7 @@ struct MirrorStatus {
     SessionState state = SessionState::idle;
     render::FixedText<96> outfit;
     CameraState camera = CameraState::closed;
-    render::FixedText<256> fault;
+    render::FixedText<512> fault;
     bool avatarView = false;
     double framesPerSecond = 0.0;
     hal::Duration loopTime{};    ///< Of the last frame.
@@ -85,7 +85,8 @@ class Mirror {
     Expected<void> start();
     /// Ends both threads within about a quarter of a second; safe at any time, also from another thread's signal wait.
     void stop();
-    /// A message for technicians on the service screen: refused settings, refused garments. Empty takes it away.
+    /// A message for technicians on the service screen: refused settings, refused garments. Each opens that screen
+    /// for eight seconds, as soon as no shopper is being dressed. Empty takes it away.
     void setNotice(std::string_view notice);
 
     [[nodiscard]] MirrorStatus status() const;
@@ -127,6 +128,8 @@ class Mirror {
     std::atomic<std::uint64_t> picturesShown_{0};
     std::string faultText_;  ///< Loop thread's; rebuilt only when the fault changes.
     bool faulty_ = false;
+    bool noticeWaits_ = false;      ///< A new notice has not been shown yet.
+    hal::TimePoint noticeUntil_{};  ///< Until when the service screen is open for it.
     double rate_ = 0.0;
     hal::TimePoint lastRate_{};
 
@@ -136,7 +139,8 @@ class Mirror {
     std::array<TaskStatistics, kMaximumTasks + 1> renderRows_{};
     std::size_t loopRowCount_ = 0;
     std::size_t renderRowCount_ = 0;
-    render::FixedText<256> notice_;
+    render::FixedText<512> notice_;
+    bool noticeNew_ = false;
     std::string description_;
 };
 

@@ -222,8 +222,10 @@ void Hud::drawService(Pen& pen, const HudState& state) const {
     // The first line says what happened, the rest what to do about it.
     const std::string_view text = state.service.view();
     const std::size_t line = std::min(text.find('\n'), text.size());
-    y += pen.text(text.substr(0, line), {.size = 50, .weight = PANGO_WEIGHT_MEDIUM, .align = Align::left, .lines = 6},
-                  kLeft, y, inner);
+    // Alone it may fill the panel.
+    const int lines = line < text.size() ? 6 : 10;
+    y += pen.text(text.substr(0, line),
+                  {.size = 50, .weight = PANGO_WEIGHT_MEDIUM, .align = Align::left, .lines = lines}, kLeft, y, inner);
     if (line < text.size())
         pen.text(text.substr(line + 1), {.size = 44, .alpha = 0.8, .align = Align::left, .lines = 6}, kLeft, y + 36,
                  inner);

@@ -56,7 +56,7 @@ struct HudState {
     std::array<HandCursor, fitting::kSideCount> cursors{};
     FixedText<160> prompt;   ///< What to do now.
     FixedText<64> advice;    ///< Size advice.
-    FixedText<256> service;  ///< Cause and mend; service screen only.
+    FixedText<512> service;  ///< Cause and mend; service screen only.
 };
 
 }  // namespace cheval::render

@@ -4,7 +4,7 @@ const picture = document.getElementById('picture');
 const line = document.getElementById('line');
 const state = document.getElementById('state');
 const status = document.getElementById('status');
-const keys = { ArrowRight: 'next', ArrowLeft: 'previous', ArrowUp: 'view', ArrowDown: 'view' };
+const keys = { ArrowRight: 'next', ArrowLeft: 'previous', ArrowUp: 'view', ArrowDown: 'view', s: 'service', S: 'service' };
 
 let lastPresented = -1;
 let lastMoved = 0;
@@ -42,8 +42,11 @@ async function look() {
 
 async function press(name) {
   const button = document.querySelector(`button[data-button="${name}"]`);
-  button.classList.add('pressed');
-  setTimeout(() => button.classList.remove('pressed'), 150);
+  // The service screen has a key alone: it is for technicians.
+  if (button) {
+    button.classList.add('pressed');
+    setTimeout(() => button.classList.remove('pressed'), 150);
+  }
   try {
     await fetch('/button/' + name, { method: 'POST', signal: AbortSignal.timeout(3000) });
   } catch {

@@ -32,9 +32,9 @@ struct NamedButton {
     const char* path;
     Button button;
 };
-constexpr std::array kButtons{NamedButton{"/button/next", Button::next},
-                              NamedButton{"/button/previous", Button::previous},
-                              NamedButton{"/button/view", Button::view}};
+constexpr std::array kButtons{
+    NamedButton{"/button/next", Button::next}, NamedButton{"/button/previous", Button::previous},
+    NamedButton{"/button/view", Button::view}, NamedButton{"/button/service", Button::service}};
 
 // The longest beginning of at most `limit` bytes that does not cut a UTF-8 character.
 std::string_view cut(std::string_view text, std::size_t limit) {

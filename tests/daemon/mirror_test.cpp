@@ -1,5 +1,6 @@
 #include "daemon/mirror.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "config/settings_table.h"
+#include "daemon/hud_writer.h"
 #include "daemon/room_options.h"
 #include "hal/headless/headless_display.h"
 #include "hal/sim/world.h"
@@ -184,6 +186,91 @@ TEST_F(MirrorTest, staysLitWhenTheRecordingEnds) {
     EXPECT_EQ(screens_.size(), 20U);
     EXPECT_EQ(screens_.back(), render::Screen::service);
     EXPECT_THAT(service_, testing::HasSubstr("is over"));
+}
+
+TEST_F(MirrorTest, saysOnTheScreenWhichPicturesTrackingReads) {
+    script_ = {.steps = {Does::frame}, .width = 320, .height = 240, .colourWidth = 320};
+    Mirror& mirror = lightScript();
+    ASSERT_TRUE(mirror.step());
+    EXPECT_EQ(screens_.back(), render::Screen::service);
+    EXPECT_THAT(service_, testing::HasSubstr("320×240"));
+    EXPECT_THAT(service_, testing::HasSubstr("640×480"));
+}
+
+/// Lends buffers full of an old picture and keeps what it is shown.
+class KeepingDisplay final : public hal::Display {
+  public:
+    explicit KeepingDisplay(const hal::DisplayMode& mode)
+        : mode_(mode), picture_(mode.width, mode.height, hal::Rgba8{.r = 255, .g = 0, .b = 255}) {}
+    Expected<hal::DisplayMode> open() override { return mode_; }
+    void close() override {}
+    Expected<hal::DisplayBuffer> lend(hal::Duration) override { return hal::DisplayBuffer{.pixels = picture_.view()}; }
+    Expected<void> present(const hal::DisplayBuffer&, hal::TimePoint) override {
+        ++shown_;
+        return {};
+    }
+    [[nodiscard]] hal::DisplayStatistics statistics() const override { return {.presented = shown_}; }
+    [[nodiscard]] const hal::Image<hal::Rgba8>& picture() const { return picture_; }
+
+  private:
+    hal::DisplayMode mode_;
+    hal::Image<hal::Rgba8> picture_;
+    std::uint64_t shown_ = 0;
+};
+
+TEST_F(MirrorTest, showsNothingOldWhenAPictureCannotBeDrawn) {
+    auto keeping = std::make_unique<KeepingDisplay>(displayMode(settings_));
+    const KeepingDisplay& display = *keeping;
+    display_ = std::move(keeping);
+    // Colour of another size than depth, which no renderer can lay over it.
+    script_ = {.steps = {Does::frame}, .colourWidth = 320};
+    EXPECT_FALSE(lightScript().step());
+    EXPECT_EQ(display.statistics().presented, 1U);
+    for (const hal::Rgba8 pixel : display.picture().pixels)
+        ASSERT_LT(std::max({pixel.r, pixel.g, pixel.b}), 64);
+}
+
+TEST_F(MirrorTest, opensTheServiceScreenForANewNoticeAndClosesItAgain) {
+    script_.steps = {Does::frame};
+    Mirror& mirror = lightScript();
+    ASSERT_TRUE(mirror.step());
+    EXPECT_EQ(screens_.back(), render::Screen::attract);
+    mirror.setNotice("tshirt.glb is refused");
+    const hal::TimePoint told = clock_.now();
+    ASSERT_TRUE(mirror.step());
+    EXPECT_EQ(screens_.back(), render::Screen::service);
+    EXPECT_EQ(service_, "tshirt.glb is refused");
+    while (hal::seconds(clock_.now() - told) < 7.5)
+        ASSERT_TRUE(mirror.step(never));
+    ASSERT_TRUE(mirror.step());
+    EXPECT_EQ(screens_.back(), render::Screen::service);
+    while (hal::seconds(clock_.now() - told) < 8.5)
+        ASSERT_TRUE(mirror.step(never));
+    ASSERT_TRUE(mirror.step());
+    EXPECT_EQ(screens_.back(), render::Screen::attract);
+    // It can be read again at any time.
+    buttons_.press(hal::Button::service);
+    ASSERT_TRUE(mirror.step());
+    EXPECT_EQ(screens_.back(), render::Screen::service);
+    EXPECT_EQ(service_, "tshirt.glb is refused");
+}
+
+TEST_F(MirrorTest, doesNotShowANoticeToAShopperWhoIsBeingDressed) {
+    Mirror& mirror = lightSimulation();
+    while (mirror.status().state != SessionState::wearing && hal::seconds(clock_.now()) < 10.0)
+        ASSERT_TRUE(mirror.step(never));
+    ASSERT_EQ(mirror.status().state, SessionState::wearing);
+    mirror.setNotice("tshirt.glb is refused");
+    ASSERT_TRUE(mirror.step());
+    EXPECT_EQ(screens_.back(), render::Screen::wearing);
+}
+
+TEST(ServiceText, namesTheFileWithoutItsFolders) {
+    EXPECT_EQ(serviceText({.cause = "it is cut short",
+                           .mend = "bake it again",
+                           .file = "/a/long/way/down/to/the/wardrobe/tshirt.glb",
+                           .line = 3}),
+              "tshirt.glb:3: it is cut short. Mend: bake it again");
 }
 
 class MirrorWithABadWardrobe : public MirrorTest {

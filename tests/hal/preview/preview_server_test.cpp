@@ -165,17 +165,19 @@ TEST_F(PreviewServerTest, ButtonsArriveInOrderWithTheClocksTime) {
     clock_.advance(fromSeconds(1));
     EXPECT_EQ(client()->Post("/button/previous")->status, 204);
     EXPECT_EQ(client()->Post("/button/view")->status, 204);
-    EXPECT_EQ(client()->Post("/button/service")->status, 404);
+    EXPECT_EQ(client()->Post("/button/service")->status, 204);
+    EXPECT_EQ(client()->Post("/button/wake")->status, 404);
     EXPECT_EQ(client()->Get("/button/next")->status, 404);
     std::array<ButtonEvent, 8> events;
-    ASSERT_EQ(*server_->buttons().poll(events), 3U);
+    ASSERT_EQ(*server_->buttons().poll(events), 4U);
     EXPECT_EQ(events[0].button, Button::next);
     EXPECT_EQ(events[0].action, ButtonAction::pressed);
     EXPECT_EQ(events[0].time, TimePoint(fromSeconds(7)));
     EXPECT_EQ(events[1].button, Button::previous);
     EXPECT_EQ(events[1].time, TimePoint(fromSeconds(8)));
     EXPECT_EQ(events[2].button, Button::view);
-    EXPECT_EQ(status()["buttons"], 3);
+    EXPECT_EQ(events[3].button, Button::service);
+    EXPECT_EQ(status()["buttons"], 4);
 }
 
 TEST_F(PreviewServerTest, AnotherSitesPageCanDoNothing) {
