@@ -11,27 +11,17 @@
 #include <sys/stat.h>
 
 #include "config/settings_table.h"
+#include "tests/support/temporary_folder.h"
 
 namespace cheval::config {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder that is gone after the test.
+/// A settings folder that is gone after the test.
 class Folder {
   public:
-    Folder() {
-        std::string name = (fs::temp_directory_path() / "cheval-config-XXXXXX").string();
-        EXPECT_NE(mkdtemp(name.data()), nullptr);
-        path_ = name;
-        fs::create_directory(path_ / "cheval.toml.d");
-    }
-    ~Folder() {
-        std::error_code ignored;
-        fs::remove_all(path_, ignored);
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
+    Folder() { fs::create_directory(path_ / "cheval.toml.d"); }
     void write(const std::string& name, const std::string& text) const { std::ofstream(path_ / name) << text; }
     [[nodiscard]] std::string path() const { return path_.string(); }
     [[nodiscard]] LoadedSettings load(bool required = true) const {
@@ -39,7 +29,8 @@ class Folder {
     }
 
   private:
-    fs::path path_;
+    test::TemporaryFolder temporary_;
+    fs::path path_ = temporary_.path();
 };
 
 struct BadText {

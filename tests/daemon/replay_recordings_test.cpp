@@ -9,6 +9,7 @@
 
 #include "config/settings_table.h"
 #include "daemon/replay_run.h"
+#include "tests/support/temporary_folder.h"
 
 namespace cheval::daemon {
 namespace {
@@ -17,11 +18,6 @@ namespace fs = std::filesystem;
 
 class ReplayRecordings : public testing::Test {
   protected:
-    ReplayRecordings() {
-        std::string name = (fs::temp_directory_path() / "cheval-replay-XXXXXX").string();
-        folder_ = mkdtemp(name.data());
-    }
-    ~ReplayRecordings() override { fs::remove_all(folder_); }
     [[nodiscard]] static Expected<ReplayReport> replay(const std::string& source, const fs::path& tracks) {
         config::Settings settings = config::defaultSettings();
         settings.wardrobe.folder = CHEVAL_ASSETS;
@@ -34,7 +30,8 @@ class ReplayRecordings : public testing::Test {
         return text.str();
     }
 
-    fs::path folder_;
+    test::TemporaryFolder temporary_;
+    fs::path folder_ = temporary_.path();
 };
 
 TEST_F(ReplayRecordings, theSameReplayTwiceGivesTheSameBytes) {

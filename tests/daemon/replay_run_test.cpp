@@ -12,6 +12,7 @@
 #include "config/settings_table.h"
 #include "hal/image.h"
 #include "hal/png/png.h"
+#include "tests/support/temporary_folder.h"
 
 namespace cheval::daemon {
 namespace {
@@ -25,13 +26,10 @@ constexpr const char* kSensor = R"({"width": 640, "height": 480, "fx": 570.3, "f
 class ReplayRunTest : public testing::Test {
   protected:
     ReplayRunTest() : settings_(config::defaultSettings()) {
-        std::string name = (fs::temp_directory_path() / "cheval-replay-XXXXXX").string();
-        folder_ = mkdtemp(name.data());
         settings_.wardrobe.folder = CHEVAL_ASSETS;
         settings_.display.width = 135;
         settings_.display.height = 240;
     }
-    ~ReplayRunTest() override { fs::remove_all(folder_); }
     void record(int frames, int width = 640, int height = 480) const {
         std::ofstream(folder_ / "sensor.json") << kSensor;
         const hal::Image<std::uint16_t> wall(width, height, 3000);
@@ -49,7 +47,8 @@ class ReplayRunTest : public testing::Test {
     }
 
     config::Settings settings_;
-    fs::path folder_;
+    test::TemporaryFolder temporary_;
+    fs::path folder_ = temporary_.path();
 };
 
 TEST_F(ReplayRunTest, runsEveryTaskOnEveryFrameAndWritesOneRecordEach) {

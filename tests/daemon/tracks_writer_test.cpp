@@ -10,6 +10,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/temporary_folder.h"
+
 namespace cheval::daemon {
 namespace {
 
@@ -17,11 +19,6 @@ namespace fs = std::filesystem;
 
 class TracksWriterTest : public testing::Test {
   protected:
-    TracksWriterTest() {
-        std::string name = (fs::temp_directory_path() / "cheval-tracks-XXXXXX").string();
-        folder_ = mkdtemp(name.data());
-    }
-    ~TracksWriterTest() override { fs::remove_all(folder_); }
     [[nodiscard]] std::string path() const { return (folder_ / "t.jsonl").string(); }
     [[nodiscard]] std::vector<nlohmann::json> lines() const {
         std::ifstream stream(path());
@@ -31,7 +28,8 @@ class TracksWriterTest : public testing::Test {
         return all;
     }
 
-    fs::path folder_;
+    test::TemporaryFolder temporary_;
+    fs::path folder_ = temporary_.path();
 };
 
 fitting::Skeleton person() {

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 #include <webp/demux.h>
 
 #include "daemon/scheduler.h"
 #include "hal/png/png.h"
+#include "tests/support/temporary_folder.h"
 
 namespace cheval::daemon {
 namespace {
@@ -23,13 +23,9 @@ using std::chrono::milliseconds;
 class Report : public ::testing::Test {
   protected:
     void SetUp() override {
-        std::string pattern = (fs::path(::testing::TempDir()) / "visit-XXXXXX").string();
-        ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-        root_ = pattern;
         options_.folder = root_ / "demo" / "report";
         options_.pictureWidth = 60;
     }
-    void TearDown() override { fs::remove_all(root_); }
 
     /// A portrait frame whose red says which one it is.
     static hal::Image<hal::Rgba8> frame(int index, int width = 180, int height = 320) {
@@ -73,7 +69,8 @@ class Report : public ::testing::Test {
         return result;
     }
 
-    fs::path root_;
+    test::TemporaryFolder temporary_;
+    fs::path root_ = temporary_.path();
     VisitReportOptions options_;
 };
 

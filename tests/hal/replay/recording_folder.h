@@ -5,10 +5,9 @@
 #include <filesystem>
 #include <string>
 
-#include <unistd.h>
-
 #include "hal/image.h"
 #include "hal/png/png.h"
+#include "tests/support/temporary_folder.h"
 
 namespace cheval::test {
 
@@ -19,17 +18,6 @@ class RecordingFolder {
     static constexpr int kHeight = 24;
     static constexpr const char* kSensorJson =
         R"({"width": 32, "height": 24, "fx": 28.5, "fy": 28.5, "cx": 15.5, "cy": 11.5, "depth_unit_mm": 1, "fps": 15})";
-
-    RecordingFolder() {
-        std::string name = (std::filesystem::temp_directory_path() / "cheval_recording_XXXXXX").string();
-        if (::mkdtemp(name.data()) != nullptr) path_ = name;
-    }
-    ~RecordingFolder() {
-        std::error_code ignored;
-        if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-    }
-    RecordingFolder(const RecordingFolder&) = delete;
-    RecordingFolder& operator=(const RecordingFolder&) = delete;
 
     [[nodiscard]] const std::string& path() const { return path_; }
     [[nodiscard]] std::string path(const std::string& name) const { return path_ + "/" + name; }
@@ -57,7 +45,8 @@ class RecordingFolder {
     }
 
   private:
-    std::string path_;
+    TemporaryFolder temporary_;
+    std::string path_ = temporary_.path().string();
 };
 
 }  // namespace cheval::test
