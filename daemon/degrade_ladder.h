@@ -1,5 +1,5 @@
 // Draws more plainly when the machine cannot keep up, and steps back when it can: cloth iterations, render scale, level
-// of detail, frame rate (DESIGN §5). The picture gets plainer, never late, never black.
+// of detail, frame rate. The picture gets plainer, never late, never black.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// The tasks of a frame, in order: track, hands, body, session, layering on change, animate, hand over (DESIGN §5). It
+// The tasks of a frame, in order: track, hands, body, session, layering on change, animate, hand over. It
 // owns the fitting rooms and ties them together; it computes nothing itself.
 #pragma once
 

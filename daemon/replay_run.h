@@ -1,5 +1,5 @@
 // `chevalctl replay`: a recording through the daemon's own pipeline, causal and deterministic: record i is written
-// before frame i + 1 is read, every task runs on every frame, the degrade ladder stays at the top (DESIGN §4).
+// before frame i + 1 is read, every task runs on every frame, the degrade ladder stays at the top.
 #pragma once
 
 #include <cstdint>

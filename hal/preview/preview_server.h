@@ -1,5 +1,5 @@
 // The mirror in a browser, for demonstrations and tests: a Display that serves its picture as MJPEG, and Buttons
-// pressed on the page. Loopback only, and off unless configured (DESIGN §11).
+// pressed on the page. Loopback only, and off unless configured.
 #pragma once
 
 #include <cstdint>

@@ -26,7 +26,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 # What the compiler of the build takes and clang does not know must not end the check.
 EXTRA = ("--extra-arg=-Wno-unknown-warning-option",)
 # Where there is no branch to compare with, this many commits are "the last work".
-RECENT_COMMITS = 20
+RECENT_COMMITS = 5
 
 
 def git(*arguments):
