@@ -95,7 +95,37 @@ void refuse(LoadedSettings& loaded, std::string_view path, std::string cause, st
                              .key = std::string(path)});
 }
 
+/// What no file says follows what one does: without other garments there are no outfits of them, and a visit starts
+/// with one that there is.
+void followGarments(LoadedSettings& loaded) {
+    auto& wardrobe = loaded.settings.wardrobe;
+    const auto said = [&](std::string_view path) { return !loaded.origins[rowOf(path)].file.empty(); };
+    if (said("wardrobe.garments") && !said("wardrobe.outfits")) {
+        std::erase_if(wardrobe.outfits, [&](const std::string& outfit) {
+            for (std::size_t begin = 0; begin <= outfit.size();) {
+                const std::size_t end = std::min(outfit.find('+', begin), outfit.size());
+                const std::string name = outfit.substr(begin, end - begin);
+                if (std::find(wardrobe.garments.begin(), wardrobe.garments.end(), name) == wardrobe.garments.end()) {
+                    return true;
+                }
+                begin = end + 1;
+            }
+            return false;
+        });
+        if (wardrobe.outfits.empty()) {
+            const auto most = static_cast<std::size_t>(settingsTable()[rowOf("wardrobe.outfits")].high);
+            wardrobe.outfits = wardrobe.garments;
+            if (wardrobe.outfits.size() > most) wardrobe.outfits.resize(most);
+        }
+    }
+    if (!said("wardrobe.start_outfit") && !wardrobe.outfits.empty() &&
+        std::find(wardrobe.outfits.begin(), wardrobe.outfits.end(), wardrobe.startOutfit) == wardrobe.outfits.end()) {
+        wardrobe.startOutfit = wardrobe.outfits.front();
+    }
+}
+
 void checkOutfits(LoadedSettings& loaded) {
+    followGarments(loaded);
     const auto& wardrobe = loaded.settings.wardrobe;
     const std::vector<std::string_view> garments(wardrobe.garments.begin(), wardrobe.garments.end());
     for (const std::string& garment : wardrobe.garments) {

@@ -8,7 +8,13 @@
 
 #define TOML_EXCEPTIONS 0
 #define TOML_HEADER_ONLY 1
+// toml++ asserts (and tells an optimiser to assume) that a key begins as keys do, and refuses it politely right after.
+// A broken settings file is no programming error: the refusal is wanted.
+#define TOML_ASSERT(expression) static_assert(true)
+#pragma push_macro("NDEBUG")
+#undef NDEBUG
 #include <toml++/toml.h>
+#pragma pop_macro("NDEBUG")
 
 #include "config/nearest_name.h"
 #include "config/settings_table.h"

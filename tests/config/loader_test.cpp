@@ -197,7 +197,7 @@ TEST(Loader, reportsEveryProblemUpToABound) {
 TEST(Loader, keepsWhatItUnderstoodFitToBeUsedTogether) {
     const LoadedSettings loaded = loadSettingsText(
         "[preview]\nenabled = true\n[display]\nkind = \"preview\"\nwidth = 1\n[zone]\nnear_m = 5.0\nfar_m = 1.0\n"
-        "[wardrobe]\ngarments = [\"coat\"]\n",
+        "[wardrobe]\ngarments = [\"coat\"]\noutfits = [\"tshirt\"]\n",
         "a.toml");
     ASSERT_EQ(loaded.problems.size(), 1U);
     EXPECT_EQ(loaded.settings.display.kind, DisplayKind::preview);
@@ -210,6 +210,17 @@ TEST(Loader, acceptsWholeNumbersWhereNumbersAreMeant) {
     const LoadedSettings loaded = loadSettingsText("sensor.height_mm = 1400\n[loop]\nfps = 15\n", "a.toml");
     ASSERT_TRUE(loaded.good());
     EXPECT_EQ(loaded.settings.sensor.heightMm, 1400.0);
+}
+
+TEST(Loader, offersWhatTheNamedGarmentsAllow) {
+    const LoadedSettings fewer = loadSettingsText("[wardrobe]\ngarments = [\"trousers\"]\n", "/a.toml");
+    ASSERT_TRUE(fewer.good()) << fewer.problems.front().message();
+    EXPECT_EQ(fewer.settings.wardrobe.outfits, std::vector<std::string>{"trousers"});
+    EXPECT_EQ(fewer.settings.wardrobe.startOutfit, "trousers");
+    const LoadedSettings others = loadSettingsText("[wardrobe]\ngarments = [\"coat\", \"hat\"]\n", "/a.toml");
+    ASSERT_TRUE(others.good()) << others.problems.front().message();
+    EXPECT_EQ(others.settings.wardrobe.outfits, (std::vector<std::string>{"coat", "hat"}));
+    EXPECT_EQ(others.settings.wardrobe.startOutfit, "coat");
 }
 
 TEST(Loader, describesWhatItCanReadBack) {
