@@ -10,7 +10,8 @@ void shrink(ImageView<const Rgba8> from, ImageView<Rgba8> to, std::vector<std::u
     sums.resize(sourceWidth * 3);
     for (int y = 0; y < to.height; ++y) {
         const int top = static_cast<int>(std::int64_t{y} * from.height / to.height);
-        const int bottom = static_cast<int>((std::int64_t{y} + 1) * from.height / to.height);
+        // At least one row and column each, where the target is the larger one.
+        const int bottom = std::max(static_cast<int>((std::int64_t{y} + 1) * from.height / to.height), top + 1);
         std::fill(sums.begin(), sums.end(), 0U);
         for (int sourceY = top; sourceY < bottom; ++sourceY) {
             const Rgba8* const row = from.row(sourceY);
@@ -22,7 +23,8 @@ void shrink(ImageView<const Rgba8> from, ImageView<Rgba8> to, std::vector<std::u
         }
         for (int x = 0; x < to.width; ++x) {
             const auto left = static_cast<std::size_t>(std::int64_t{x} * from.width / to.width);
-            const auto right = static_cast<std::size_t>((std::int64_t{x} + 1) * from.width / to.width);
+            const auto right =
+                std::max(static_cast<std::size_t>((std::int64_t{x} + 1) * from.width / to.width), left + 1);
             std::uint32_t r = 0;
             std::uint32_t g = 0;
             std::uint32_t b = 0;
@@ -31,7 +33,8 @@ void shrink(ImageView<const Rgba8> from, ImageView<Rgba8> to, std::vector<std::u
                 g += sums[3 * sourceX + 1];
                 b += sums[3 * sourceX + 2];
             }
-            const auto count = static_cast<std::uint32_t>(right - left) * static_cast<std::uint32_t>(bottom - top);
+            const std::uint32_t count =
+                std::max(static_cast<std::uint32_t>(right - left) * static_cast<std::uint32_t>(bottom - top), 1U);
             const auto mean = [count](std::uint32_t sum) {
                 return static_cast<std::uint8_t>((sum + count / 2) / count);
             };

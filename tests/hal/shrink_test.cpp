@@ -10,7 +10,7 @@ namespace cheval::hal {
 namespace {
 
 TEST(ShrinkTest, APlainPictureStaysPlain) {
-    for (const auto& [width, height] : {std::pair{1, 1}, {7, 3}, {30, 50}, {31, 50}}) {
+    for (const auto& [width, height] : {std::pair{1, 1}, {7, 3}, {30, 50}, {31, 50}, {62, 75}}) {
         const Image<Rgba8> from(31, 50, {.r = 250, .g = 7, .b = 128, .a = 3});
         Image<Rgba8> to(width, height);
         std::vector<std::uint32_t> sums;
