@@ -48,8 +48,11 @@ class PictureFiles {
         if (folder_.empty() || !packet.hasPicture || error_) return;
         const std::string path = (fs::path(folder_) / fmt::format("frame-{:06}.png", packet.sourceIndex)).string();
         Expected<void> written = hal::writePng(path, picture, {.compression = 3});
-        if (!written) error_ = std::move(written).error();
-        if (written) ++count_;
+        if (!written) {
+            error_ = std::move(written).error();
+            return;
+        }
+        ++count_;
     }
     [[nodiscard]] const std::optional<Error>& error() const { return error_; }
     [[nodiscard]] std::uint64_t count() const { return count_; }
