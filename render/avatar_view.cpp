@@ -104,7 +104,6 @@ void AvatarView::shadow(const Projection& projection, const Eigen::Vector3f& cen
 
 void AvatarView::draw(const Projection& projection, const fitting::Skeleton& skeleton, bool figure,
                       hal::ImageView<hal::Rgba8> target) {
-    if (backdrop_.empty()) paintBackdrop();
     for (int y = 0; y < height_; ++y)
         std::memcpy(target.row(y), backdrop_.view().row(y), static_cast<std::size_t>(width_) * sizeof(hal::Rgba8));
     if (!figure || !skeleton.present()) return;

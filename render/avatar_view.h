@@ -8,10 +8,11 @@
 
 namespace cheval::render {
 
-/// Thread-bound. Takes the backdrop's memory on the first draw().
+/// Thread-bound.
 class AvatarView {
   public:
-    AvatarView(int width, int height) : width_(width), height_(height) {}
+    /// Paints the backdrop, once: some dozens of milliseconds that no frame has to spare.
+    AvatarView(int width, int height) : width_(width), height_(height) { paintBackdrop(); }
 
     /// The camera for this frame: before the figure, easing after it; mirrored, as the glass is.
     Projection follow(const fitting::Skeleton& skeleton);

@@ -61,8 +61,35 @@ Expected<std::unique_ptr<GarmentPass>> GarmentPass::create(GlContext& context, i
                            bufferOffset(offsetof(fitting::PosedVertex, nx)));
     gl.VertexAttribPointer(kTextureAttribute, 2, GL_FLOAT, GL_FALSE, kStride,
                            bufferOffset(offsetof(fitting::PosedVertex, u)));
+    if (auto warm = pass->warmUp(); !warm) return std::move(warm).error();
     if (auto good = pass->check(); !good) return std::move(good).error();
     return pass;
+}
+
+Expected<void> GarmentPass::warmUp() {
+    if (looks_.empty()) return {};
+    fitting::PosedMesh mesh;
+    mesh.vertices = {{.x = -0.1F, .y = -0.1F, .z = 1.0F, .nz = -1.0F},
+                     {.x = 0.1F, .y = -0.1F, .z = 1.0F, .nz = -1.0F},
+                     {.x = 0.0F, .y = 0.1F, .z = 1.0F, .nz = -1.0F}};
+    mesh.indices = {0, 1, 2, 0, 2, 1};  // From either side, so that something is drawn whichever is culled.
+    for (std::uint32_t i = 0; i < looks_.size(); ++i)
+        mesh.parts.push_back({.indexCount = static_cast<std::uint32_t>(mesh.indices.size()), .material = i});
+    if (auto uploaded = upload(mesh); !uploaded) return uploaded;
+    constexpr int kSide = 8;
+    GarmentView view;
+    view.projection << kSide, 0, kSide / 2, 0, 0, -kSide, kSide / 2, 0, 0, 0, 1, 0;
+    for (int mirrored = 0; mirrored < 2; ++mirrored) {
+        drawColour(view, {0, 0, kSide, kSide}, kSide, kSide);
+        drawDistance(view, {0, 0, kSide, kSide}, kSide, kSide);
+        view.projection(0, 0) = -view.projection(0, 0);
+    }
+    std::array<hal::Rgba8, std::size_t{kSide} * kSide> drawn{};
+    const hal::ImageView<hal::Rgba8> into{.data = drawn.data(), .width = kSide, .height = kSide, .stride = kSide};
+    readColour(into);
+    readDistance(into);
+    hasTopology_ = false;
+    return {};
 }
 
 GarmentPass::~GarmentPass() {

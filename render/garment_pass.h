@@ -71,6 +71,9 @@ class GarmentPass {
     GarmentPass(GlContext& context, int width, int height) : context_(context), width_(width), height_(height) {}
     Expected<void> createTarget(Target& target, int width, int height) const;
     Expected<void> createPrograms();
+    /// Draws a triangle in every look: a software driver compiles for each kind of drawing when it first meets it,
+    /// which would hold up the first dressed picture by some frames.
+    Expected<void> warmUp();
     Expected<Look> createLook(const fitting::Material& material) const;
     Expected<void> takeTopology(const fitting::PosedMesh& mesh);
     void begin(const Target& target, int columns, int rows) const;

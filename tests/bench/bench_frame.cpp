@@ -115,6 +115,7 @@ void frame(benchmark::State& state, bool avatar) {
     Readings render;
     std::uint64_t loopAllocations = 0;
     std::uint64_t pictureAllocations = 0;
+    std::uint64_t pictureNews = 0;
     std::uint64_t steadyFrames = 0;
     std::uint64_t dressed = 0;
     std::vector<daemon::TaskStatistics> tasks;
@@ -152,6 +153,7 @@ void frame(benchmark::State& state, bool avatar) {
             const cheval::test::AllocationCounter counter;
             const Expected<daemon::StepResult> step = mirror.step(draw);
             const std::uint64_t taken = counter.count();
+            const std::uint64_t takenByNew = counter.countNew();
             if (!step) {
                 state.SkipWithError(step.error().message().c_str());
                 return;
@@ -164,6 +166,7 @@ void frame(benchmark::State& state, bool avatar) {
             if (drawNow) {
                 render.add(status.renderTime);
                 pictureAllocations += taken;
+                pictureNews += takenByNew;
             } else {
                 loopAllocations += taken;
             }
@@ -185,7 +188,9 @@ void frame(benchmark::State& state, bool avatar) {
     state.counters["frames_dressed"] = static_cast<double>(dressed);
     const double half = std::max(1.0, static_cast<double>(steadyFrames) / 2.0);
     state.counters["loop_allocations_per_frame"] = static_cast<double>(loopAllocations) / half;
+    // Ours are calls of operator new; the rest is the GL driver's.
     state.counters["picture_allocations_per_frame"] = static_cast<double>(pictureAllocations) / half;
+    state.counters["picture_allocations_by_new_per_frame"] = static_cast<double>(pictureNews) / half;
     // The pre-rendered frames are the benchmark's own.
     double recording = 0.0;
     for (const Recorded& recorded : recordedVisit()) {

@@ -362,6 +362,28 @@ TEST_P(RendererTest, takesNoMemoryInASteadyStateOutsideTheDriver) {
     }
 }
 
+TEST_P(RendererTest, theFirstDressedPictureCompilesNothing) {
+    // What a software driver compiles takes thousands of allocations; the first garment must find it done.
+    const RenderScene world({});
+    const auto renderer = make(world);
+    hal::Image<hal::Rgba8> target(kWidth, kHeight);
+    const auto taken = [&](const Scene& scene) {
+        const test::AllocationCounter counter;
+        EXPECT_TRUE(renderer->draw(scene, target.view()));
+        return counter.count();
+    };
+    for (const View view : {View::mirror, View::avatar}) {
+        Scene undressed = world.scene(view);
+        undressed.mesh = nullptr;
+        taken(undressed);  // Texts of the head-up display.
+        const auto first = taken(world.scene(view));
+        for (int i = 0; i < 5; ++i)
+            taken(world.scene(view));
+        const auto later = taken(world.scene(view));
+        EXPECT_LE(first, 2 * later + 200);
+    }
+}
+
 TEST_P(RendererTest, theDriversMemoryIsFlat) {
     const RenderScene world({});
     const auto renderer = make(world);

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <cstddef>
 #include <cstdlib>
+#include <new>
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define CHEVAL_UNDER_SANITIZER 1
@@ -16,6 +17,7 @@ namespace {
 
 // Plain thread-locals of an executable need no allocation themselves and no constructor.
 thread_local std::uint64_t allocations = 0;
+thread_local std::uint64_t newCalls = 0;
 thread_local int counters = 0;
 bool trap = false;
 
@@ -86,6 +88,19 @@ int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
 }
 // NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 
+// The other spellings without an alignment come down to these.
+void* operator new(std::size_t size) {
+    ++newCalls;
+    if (void* taken = std::malloc(size > 0 ? size : 1)) return taken;
+    throw std::bad_alloc();
+}
+void operator delete(void* block) noexcept {
+    std::free(block);
+}
+void operator delete(void* block, std::size_t /*size*/) noexcept {
+    std::free(block);
+}
+
 #endif
 
 namespace cheval::test {
@@ -94,7 +109,7 @@ std::uint64_t allocationsOnThisThread() {
     return allocations;
 }
 
-AllocationCounter::AllocationCounter() : start_(allocations) {
+AllocationCounter::AllocationCounter() : start_(allocations), startNew_(newCalls) {
     ++counters;
 }
 
@@ -104,6 +119,10 @@ AllocationCounter::~AllocationCounter() {
 
 std::uint64_t AllocationCounter::count() const {
     return allocations - start_;
+}
+
+std::uint64_t AllocationCounter::countNew() const {
+    return newCalls - startNew_;
 }
 
 }  // namespace cheval::test

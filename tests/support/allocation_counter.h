@@ -20,9 +20,13 @@ class AllocationCounter {
     AllocationCounter& operator=(const AllocationCounter&) = delete;
 
     [[nodiscard]] std::uint64_t count() const;
+    /// Of those, the calls of operator new: what C++ took, where a C library (a GL driver, say) calls malloc itself.
+    /// Always 0 under a sanitizer, which owns operator new.
+    [[nodiscard]] std::uint64_t countNew() const;
 
   private:
     std::uint64_t start_;
+    std::uint64_t startNew_;
 };
 
 }  // namespace cheval::test
