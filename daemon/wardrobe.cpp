@@ -77,7 +77,7 @@ Wardrobe loadWardrobe(const WardrobeOptions& options) {
         return wardrobe;
     }
     wardrobe.body = std::move(*body);
-    wardrobe.materials.push_back(wardrobe.body->material);
+    wardrobe.materials.push_back(std::move(wardrobe.body->material));
     for (const std::string& id : options.garments) {
         Expected<fitting::Garment> garment =
             fitting::loadGarment((folder / (id + ".glb")).string(), wardrobe.body->cageTemplate);
@@ -85,7 +85,7 @@ Wardrobe loadWardrobe(const WardrobeOptions& options) {
             wardrobe.refusals.push_back(std::move(garment).error().within("while loading the garment " + id));
             continue;
         }
-        wardrobe.materials.push_back(garment->material);
+        wardrobe.materials.push_back(std::move(garment->material));
         wardrobe.garments.push_back(std::move(*garment));
     }
     for (const std::string& names : options.outfits) {

@@ -33,7 +33,8 @@ struct OutfitChoice {
 struct Wardrobe {
     std::optional<fitting::Body> body;  ///< Absent: nobody can be dressed, but the mirror stays lit.
     std::vector<fitting::Garment> garments;
-    std::vector<fitting::Material> materials;  ///< 0: the body; i + 1: garment i.
+    /// 0: the body's; i + 1: garment i's. Moved out of them: a texture is 4 MB, and needed once.
+    std::vector<fitting::Material> materials;
     std::vector<OutfitChoice> outfits;
     std::size_t startOutfit = 0;
     std::vector<Error> refusals;
