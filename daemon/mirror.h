@@ -34,10 +34,10 @@ struct MirrorParts {
     hal::Clock* clock = nullptr;      ///< Drives frames and dwell times.
     /// Decides what still fits into a frame; null: `clock`. One that stands still sheds nothing.
     const hal::Clock* admission = nullptr;
-    const hal::Clock* cost = nullptr;  ///< Measures what tasks take.
-    const Wardrobe* wardrobe = nullptr;
-    PictureObserver observer;  ///< May be empty.
-    bool runToTheEnd = false;  ///< Replay: the degrade ladder stays at the top and no frame is left out.
+    const hal::Clock* cost = nullptr;    ///< Measures what tasks take.
+    const Wardrobe* wardrobe = nullptr;  ///< Its materials are read by start(), or by the first step(), alone.
+    PictureObserver observer;            ///< May be empty.
+    bool runToTheEnd = false;            ///< Replay: the degrade ladder stays at the top and no frame is left out.
 };
 
 /// For a status line; plain values of fixed size.

@@ -47,6 +47,8 @@ class Running {
         running->mirror_ = std::move(*mirror);
         Expected<void> started = running->mirror_->start();
         if (!started) return std::move(started).error();
+        // The driver has its own copy of each texture by now, and nobody else asks for them.
+        running->wardrobe_.materials = {};
         log(Severity::notice, "drawing with " + running->mirror_->rendererDescription());
         return running;
     }
