@@ -78,7 +78,9 @@ Expected<void> GarmentPass::warmUp() {
     if (auto uploaded = upload(mesh); !uploaded) return uploaded;
     constexpr int kSide = 8;
     GarmentView view;
-    view.projection << kSide, 0, kSide / 2, 0, 0, -kSide, kSide / 2, 0, 0, 0, 1, 0;
+    constexpr float kFocal = kSide;
+    constexpr float kMiddle = 0.5F * kSide;
+    view.projection << kFocal, 0, kMiddle, 0, 0, -kFocal, kMiddle, 0, 0, 0, 1, 0;
     for (int mirrored = 0; mirrored < 2; ++mirrored) {
         drawColour(view, {0, 0, kSide, kSide}, kSide, kSide);
         drawDistance(view, {0, 0, kSide, kSide}, kSide, kSide);

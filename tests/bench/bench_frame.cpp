@@ -1,6 +1,7 @@
 // The frame budget, measured: pre-rendered frames of the simulated shopper through the mirror's own chain and renderer,
 // 1080×1920 out, one garment, both views. Every figure is a counter, in milliseconds, counts or megabytes.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -95,7 +96,7 @@ class Readings {
     [[nodiscard]] double quantile(double share) {
         if (values_.empty()) return 0.0;
         std::sort(values_.begin(), values_.end());
-        const auto rank = static_cast<std::size_t>(share * static_cast<double>(values_.size() - 1) + 0.5);
+        const auto rank = static_cast<std::size_t>(std::lround(share * static_cast<double>(values_.size() - 1)));
         return values_[rank];
     }
 
@@ -119,7 +120,7 @@ void frame(benchmark::State& state, bool avatar) {
     std::uint64_t steadyFrames = 0;
     std::uint64_t dressed = 0;
     std::vector<daemon::TaskStatistics> tasks;
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto _ : state) {
         hal::VirtualClock clock;
         const hal::VirtualClock still;
         const hal::SteadyClock cost;

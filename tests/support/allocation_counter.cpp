@@ -37,6 +37,7 @@ void counted() {
 #ifdef CHEVAL_UNDER_SANITIZER
 
 // The sanitizers own malloc; they tell us of every call.
+// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): their name.
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(const volatile void*, std::size_t),
                                                          void (*free_hook)(const volatile void*));
 namespace {
