@@ -15,6 +15,18 @@ Expected<void> DepthCamera::open() {
     return {};
 }
 
+Expected<void> DepthCamera::restartStream() {
+    const std::lock_guard lock(device_);
+    if (open_) return doRestartStream();
+    return Error{.code = ErrorCode::invalidInput, .cause = "the camera is not open", .mend = "open it first"};
+}
+
+Expected<void> DepthCamera::doRestartStream() {
+    return Error{.code = ErrorCode::unavailable,
+                 .cause = "this camera's stream cannot be restarted",
+                 .mend = "reopen the camera"};
+}
+
 void DepthCamera::close() {
     interrupt_.raise();
     const std::lock_guard lock(device_);

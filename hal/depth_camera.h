@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 #include <string>
 
 #include "hal/clock.h"
@@ -37,8 +38,16 @@ class DepthCamera {
     DepthCamera& operator=(const DepthCamera&) = delete;
 
     /// Starts the stream. Opening an open camera is an error; after close() it may be opened again, any number of
-    /// times.
+    /// times. A slow device may answer ErrorCode::timedOut: it is still being opened, and the next call waits on.
     Expected<void> open();
+    /// Stops and starts the stream of an open camera, for a device that is there and sends nothing. Errors: unavailable
+    /// where it has no such thing.
+    Expected<void> restartStream();
+    /// True once for each device that was plugged in since the last call, where the back end can tell: opening is
+    /// worth trying at once.
+    virtual bool takeArrival() { return false; }
+    /// Why the last wait said `lost`, where the back end knows.
+    [[nodiscard]] virtual std::optional<Error> lossReason() const { return std::nullopt; }
     /// Ends a wait in progress; the device is released by the thread that waits, or at once when none does.
     void close();
     [[nodiscard]] bool isOpen() const { return open_; }
@@ -54,6 +63,9 @@ class DepthCamera {
     DepthCamera() = default;
     virtual Expected<CameraInfo> doOpen() = 0;
     virtual void doClose() = 0;
+    virtual Expected<void> doRestartStream();
+    /// For an opening that takes long: close() was called meanwhile.
+    [[nodiscard]] bool closing() const { return interrupt_.raised(); }
     /// Must return FrameStatus::closed as soon as `interrupt` is raised.
     virtual FrameStatus doWaitFrame(Duration timeout, DepthFrame& frame, Interrupt& interrupt) = 0;
 
