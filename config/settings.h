@@ -8,9 +8,10 @@
 
 namespace cheval::config {
 
-enum class SensorSource : std::uint8_t { sim, replay };
+enum class SensorSource : std::uint8_t { sim, replay, openni };
 enum class Rotation : std::uint8_t { none, clockwise, anticlockwise };
 enum class DisplayKind : std::uint8_t { headless, preview };
+enum class HighestRung : std::uint8_t { retry, stream, device, process, usb, power, daemon, machine };
 enum class SwipeMeaning : std::uint8_t { carousel, arrow };
 enum class RenderContext : std::uint8_t { automatic, egl, osmesa };
 enum class StartView : std::uint8_t { mirror, avatar };

@@ -1,4 +1,4 @@
-// Keeps frames coming: opens the camera, notices when it is lost, and opens it again with a growing pause.
+// Keeps frames coming: opens the camera, notices when it is lost, and does what the recovery machine says.
 #pragma once
 
 #include <atomic>
@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 
+#include "daemon/recovery.h"
 #include "hal/clock.h"
 #include "hal/depth_camera.h"
 #include "hal/expected.h"
@@ -18,13 +19,11 @@ namespace cheval::daemon {
 using CameraFactory = std::function<Expected<std::unique_ptr<hal::DepthCamera>>()>;
 
 struct CameraSupervisorOptions {
-    /// Without a frame for this long the camera is lost; std::nullopt: never (a recording's gap is no fault).
-    std::optional<hal::Duration> lostAfter = std::chrono::seconds(1);
+    RecoveryOptions recovery;
     hal::Duration longestWait = std::chrono::milliseconds(100);  ///< Of one call of next().
-    hal::Duration firstPause = std::chrono::milliseconds(500);   ///< Before the first reopening; doubles …
-    hal::Duration longestPause = std::chrono::seconds(30);       ///< … up to this; reset by a frame.
     int width = 640;  ///< Of the pictures that can be used; a camera with others is refused when it opens.
     int height = 480;
+    RecoveryHardware* hardware = nullptr;  ///< For the rungs above recycle; null: there are none.
 };
 
 enum class CameraState : std::uint8_t {
@@ -45,38 +44,58 @@ class CameraSupervisor {
     CameraSupervisor(const CameraSupervisor&) = delete;
     CameraSupervisor& operator=(const CameraSupervisor&) = delete;
 
-    /// The next frame, or none within longestWait. The first frame after every opening has `restart` set.
+    /// The next frame, or none within longestWait (and what the camera's own open() may wait). The first frame after
+    /// every opening has `restart` set.
     CameraNext next(hal::DepthFrame& frame);
     /// Ends a wait in progress and every later one. Any thread.
     void stop();
 
-    [[nodiscard]] CameraState state() const { return state_; }
+    [[nodiscard]] CameraState state() const;
     /// Why there are no frames; empty while all is well.
     [[nodiscard]] const std::optional<Error>& fault() const { return fault_; }
+    [[nodiscard]] bool anyFrame() const { return anyFrame_; }
+    /// For how long there has been none; zero before the first.
+    [[nodiscard]] hal::Duration silence() const;
+    /// The frame that next() delivered last is the first one after an outage.
+    [[nodiscard]] bool resumed() const { return resumed_; }
+    /// How long it was until that frame.
+    [[nodiscard]] hal::Duration outage() const { return outage_; }
+    [[nodiscard]] const RecoveryMachine& recovery() const { return machine_; }
     /// Valid once open; rises in `openings` with every opening.
     [[nodiscard]] const hal::CameraInfo& info() const { return info_; }
     [[nodiscard]] std::uint64_t openings() const { return openings_; }
 
   private:
-    bool open();
+    void tell(RecoveryEvent event);
+    void open();
+    void perform(RecoveryRung rung);
+    void performHardware(RecoveryRung rung);
+    void release();
+    void refuse(Error why);
+    void checkArrivals();
     [[nodiscard]] Expected<void> checkSize(const hal::CameraInfo& info) const;
-    void lose(Error why);
-    CameraNext pause(hal::TimePoint until);
+    CameraNext wait(hal::DepthFrame& frame);
+    CameraNext take(hal::FrameStatus status, hal::DepthFrame& frame);
+    CameraNext pause(hal::Duration longest);
 
     CameraFactory factory_;
     CameraSupervisorOptions options_;
     hal::Clock& clock_;
+    RecoveryMachine machine_;
     std::mutex pointer_;  ///< Held while camera_ changes, so that stop() never sees it half changed.
     std::unique_ptr<hal::DepthCamera> camera_;
     hal::Interrupt stopping_;
-    CameraState state_ = CameraState::closed;
+    RecoveryAction doing_ = RecoveryAction::none;  ///< Begun, and to be gone on with.
+    bool begun_ = false;                           ///< The rung's own part is done; opening the camera follows.
     std::optional<Error> fault_;
     hal::CameraInfo info_;
     std::uint64_t openings_ = 0;
     hal::TimePoint lastFrame_{};
-    hal::TimePoint retryAt_{};
-    hal::Duration pauseNow_{};
-    bool fresh_ = false;  ///< No frame since the opening.
+    hal::Duration outage_{};
+    bool fresh_ = false;      ///< No frame since the opening.
+    bool anyFrame_ = false;   ///< There has been one.
+    bool restarted_ = false;  ///< The stream was restarted, or the device opened, since the last frame.
+    bool resumed_ = false;
 };
 
 }  // namespace cheval::daemon

@@ -42,7 +42,15 @@ bool Screen::same(const config::Settings& a, const config::Settings& b) {
 }
 
 FrameSource makeFrameSource(const config::Settings& settings, hal::Clock& clock) {
-    if (settings.sensor.source == config::SensorSource::replay) {
+    const bool replay = settings.sensor.source == config::SensorSource::replay;
+    if (settings.sensor.source == config::SensorSource::openni || (replay && isOniFile(settings.sensor.folder))) {
+        const hal::ProcessCameraOptions options =
+            sensorProcessOptions(settings, replay ? settings.sensor.folder : std::string());
+        return {.camera = [options, &clock]() -> Expected<std::unique_ptr<hal::DepthCamera>> {
+            return std::unique_ptr<hal::DepthCamera>(hal::makeProcessCamera(options, clock));
+        }};
+    }
+    if (replay) {
         const hal::ReplayOptions options = replayOptions(settings);
         return {.camera = [options, &clock]() -> Expected<std::unique_ptr<hal::DepthCamera>> {
             Expected<std::unique_ptr<hal::ReplayCamera>> camera = hal::makeReplayCamera(options, clock);

@@ -17,6 +17,10 @@ using std::chrono::milliseconds;
 /// Without a new packet for this long the renderer shows the last one again: a display that goes to sleep is a dark
 /// one.
 constexpr hal::Duration kRedrawAfter = milliseconds(250);
+/// A sensor that is brought back sooner disturbs nobody: the last picture stays, then the shopper is found where they
+/// were. Only later does the service screen say what is wrong.
+constexpr hal::Duration kPictureStays = std::chrono::seconds(1);
+constexpr hal::Duration kFaultStaysQuiet = std::chrono::seconds(3);
 /// Long enough to read a new notice, and to fetch somebody who should.
 constexpr hal::Duration kNoticeShown = std::chrono::seconds(8);
 
@@ -30,13 +34,20 @@ FrameChainOptions chainOptions(const config::Settings& settings, const Wardrobe&
             .rotated = rendererOptions(settings, mode).rotated};
 }
 
-CameraSupervisorOptions supervisorOptions(const config::Settings& settings) {
-    CameraSupervisorOptions options{.lostAfter = milliseconds(settings.sensor.lostAfterMs),
-                                    .width = fitting::tracking::kFrameWidth,
-                                    .height = fitting::tracking::kFrameHeight};
-    // A recording may hold gaps of any length, and any number of pictures a second: neither is a lost camera.
-    if (settings.sensor.source == config::SensorSource::replay) options.lostAfter.reset();
-    return options;
+CameraSupervisorOptions supervisorOptions(const config::Settings& settings, const MirrorParts& parts) {
+    return {.recovery = recoveryOptions(settings, parts.hardware),
+            .width = fitting::tracking::kFrameWidth,
+            .height = fitting::tracking::kFrameHeight,
+            .hardware = parts.hardware};
+}
+
+/// What was learnt with one holds with the other.
+bool alike(const hal::CameraInfo& a, const hal::CameraInfo& b) {
+    return a.intrinsics.width == b.intrinsics.width && a.intrinsics.fx == b.intrinsics.fx &&
+           a.intrinsics.fy == b.intrinsics.fy && a.intrinsics.cx == b.intrinsics.cx &&
+           a.intrinsics.cy == b.intrinsics.cy && a.mount.heightMm == b.mount.heightMm &&
+           a.mount.tiltDeg == b.mount.tiltDeg && a.mount.rollDeg == b.mount.rollDeg && a.mount.known == b.mount.known &&
+           !a.independent;
 }
 
 /// The last row is the whole of one thread's frame, under a name that tells the two threads apart.
@@ -67,7 +78,7 @@ Expected<std::unique_ptr<Mirror>> Mirror::create(const config::Settings& setting
 Mirror::Mirror(const config::Settings& settings, MirrorParts parts)
     : settings_(settings),
       parts_(std::move(parts)),
-      supervisor_(parts_.camera, supervisorOptions(settings), *parts_.clock),
+      supervisor_(parts_.camera, supervisorOptions(settings, parts_), *parts_.clock),
       ladder_(ladderOptions(settings)),
       basePeriod_(schedulerOptions(settings).framePeriod) {
     if (parts_.admission == nullptr) parts_.admission = parts_.clock;
@@ -97,16 +108,28 @@ Expected<void> Mirror::makePictures() {
 CameraNext Mirror::takeFrame() {
     const CameraNext next = supervisor_.next(frame_);
     if (supervisor_.openings() != openingsSeen_) {
+        const hal::CameraInfo& info = supervisor_.info();
+        sameCamera_ = openingsSeen_ > 0 && alike(info, lastCamera_);
         openingsSeen_ = supervisor_.openings();
-        chain_->cameraOpened(trackerOptions(settings_, supervisor_.info().mount));
-        if (!parts_.runToTheEnd) log(Severity::notice, "camera: " + supervisor_.info().name);
+        lastCamera_ = info;
+        if (!sameCamera_) chain_->cameraOpened(trackerOptions(settings_, info.mount));
+        if (!parts_.runToTheEnd) log(Severity::notice, "camera: " + info.name);
     }
+    // After a short outage of one and the same sensor everything goes on: background, person, body and choice.
+    if (supervisor_.resumed() && sameCamera_ && supervisor_.outage() < kFaultStaysQuiet) frame_.restart = false;
     if (supervisor_.fault().has_value() != faulty_) {
         faulty_ = supervisor_.fault().has_value();
         faultText_ = faulty_ ? serviceText(*supervisor_.fault()) : "";
         if (faulty_ && !parts_.runToTheEnd) log(Severity::warning, supervisor_.fault()->message());
     }
     return next;
+}
+
+std::string_view Mirror::shownFault() const {
+    // The end of a recording is no outage, and before the first frame there was no picture to keep.
+    const bool brief =
+        supervisor_.state() != CameraState::ended && supervisor_.anyFrame() && supervisor_.silence() < kFaultStaysQuiet;
+    return brief ? std::string_view() : faultText_;
 }
 
 bool Mirror::tooSoon(const hal::DepthFrame& frame) {
@@ -139,7 +162,7 @@ void Mirror::turn(bool haveFrame, FramePacket& packet) {
                                                  .time = haveFrame ? frame_.captureTime : now,
                                                  .started = parts_.admission->now(),
                                                  .buttons = parts_.buttons,
-                                                 .fault = faultText_,
+                                                 .fault = shownFault(),
                                                  .notice = notice.view(),
                                                  .showNotice = notice.length > 0 && now < noticeUntil_,
                                                  .renderScale = ladder_.rung().renderScale},
@@ -163,6 +186,8 @@ void Mirror::afterLoop(hal::Duration taken, bool haveFrame) {
     status_.outfit.assign(outfit);
     status_.camera = supervisor_.state();
     status_.fault.assign(faultText_);
+    status_.recovery = supervisor_.recovery().counts();
+    status_.openings = supervisor_.openings();
     status_.avatarView = session.avatarView();
     status_.visits = session.visits();
     status_.loopTime = taken;
@@ -216,6 +241,7 @@ void Mirror::runLoop() {
         const bool haveFrame = next == CameraNext::frame;
         if (haveFrame && tooSoon(frame_)) continue;
         turn(haveFrame, packets_.back());
+        if (!haveFrame && supervisor_.anyFrame() && supervisor_.silence() < kPictureStays) continue;
         packets_.publish();
         packetReady_.raise();
     }

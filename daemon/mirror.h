@@ -2,6 +2,7 @@
 // thread (replay, simulation, tests: deterministic), or as two threads in a pipeline one frame deep (the product).
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -29,9 +30,10 @@ namespace cheval::daemon {
 struct MirrorParts {
     CameraFactory camera;
     std::vector<hal::Buttons*> buttons;
-    hal::Display* display = nullptr;  ///< Open.
-    hal::DisplayMode mode;            ///< As the display said when it was opened.
-    hal::Clock* clock = nullptr;      ///< Drives frames and dwell times.
+    RecoveryHardware* hardware = nullptr;  ///< For a sensor that nothing else brings back; may be null.
+    hal::Display* display = nullptr;       ///< Open.
+    hal::DisplayMode mode;                 ///< As the display said when it was opened.
+    hal::Clock* clock = nullptr;           ///< Drives frames and dwell times.
     /// Decides what still fits into a frame; null: `clock`. One that stands still sheds nothing.
     const hal::Clock* admission = nullptr;
     const hal::Clock* cost = nullptr;    ///< Measures what tasks take.
@@ -55,6 +57,9 @@ struct MirrorStatus {
     std::uint64_t frames = 0;
     std::uint64_t pictures = 0;
     std::uint64_t visits = 0;
+    std::uint64_t openings = 0;  ///< Of the camera.
+    /// How often each rung of the sensor's recovery was taken, by RecoveryRung.
+    std::array<std::uint64_t, kRecoveryRungCount> recovery{};
 };
 
 enum class StepResult : std::uint8_t {
@@ -100,6 +105,7 @@ class Mirror {
 
     Expected<void> makePictures();
     CameraNext takeFrame();
+    [[nodiscard]] std::string_view shownFault() const;
     void turn(bool haveFrame, FramePacket& packet);
     void afterLoop(hal::Duration taken, bool haveFrame);
     void afterPicture(const Expected<hal::Duration>& shown);
@@ -115,6 +121,8 @@ class Mirror {
     DegradeLadder ladder_;
     hal::DepthFrame frame_;
     std::uint64_t openingsSeen_ = 0;
+    hal::CameraInfo lastCamera_;
+    bool sameCamera_ = false;  ///< The last opening found the sensor that was there before.
     hal::TimePoint nextDue_{};
     hal::Duration basePeriod_{};
 

@@ -1,5 +1,9 @@
 #include "daemon/room_options.h"
 
+#include <filesystem>
+
+#include "config/shipped_files.h"
+
 namespace cheval::daemon {
 
 fitting::TrackerOptions trackerOptions(const config::Settings& settings, const hal::Mount& declared) {
@@ -37,6 +41,20 @@ SchedulerOptions schedulerOptions(const config::Settings& settings) {
 
 LadderOptions ladderOptions(const config::Settings& settings) {
     return {.enabled = settings.loop.degrade};
+}
+
+RecoveryOptions recoveryOptions(const config::Settings& settings, const RecoveryHardware* hardware) {
+    RecoveryOptions options{.silence = std::chrono::milliseconds(settings.sensor.lostAfterMs),
+                            .longestPause = hal::fromSeconds(settings.recovery.longestPauseSeconds),
+                            .restartAfter = hal::fromSeconds(60.0 * settings.recovery.restartAfterMinutes),
+                            .highest = static_cast<RecoveryRung>(settings.recovery.highest)};
+    if (hardware != nullptr) {
+        options.available = [hardware](RecoveryRung rung) { return hardware->available(rung); };
+        options.restartsBefore = hardware->restartsBefore();
+    }
+    // A recording may hold gaps of any length, and any number of pictures a second: neither is a lost camera.
+    if (settings.sensor.source == config::SensorSource::replay) options.silence.reset();
+    return options;
 }
 
 WardrobeOptions wardrobeOptions(const config::Settings& settings) {
@@ -80,6 +98,22 @@ hal::sim::WorldOptions worldOptions(const config::Settings& settings) {
 
 hal::ReplayOptions replayOptions(const config::Settings& settings) {
     return {.folder = settings.sensor.folder, .loop = settings.sensor.loop};
+}
+
+hal::ProcessCameraOptions sensorProcessOptions(const config::Settings& settings, const std::string& recording) {
+    hal::ProcessCameraOptions options{.program = config::shippedPath("bin/cheval-sensor"),
+                                      .openWait = std::chrono::milliseconds(50)};
+    if (options.program.empty()) options.program = CHEVAL_BUILT_SENSOR;
+    if (!recording.empty()) {
+        options.arguments = {"--recording", recording};
+    } else if (!settings.sensor.device.empty()) {
+        options.arguments = {"--device", settings.sensor.device};
+    }
+    return options;
+}
+
+bool isOniFile(const std::string& path) {
+    return std::filesystem::path(path).extension() == ".oni";
 }
 
 }  // namespace cheval::daemon

@@ -1,8 +1,11 @@
 // From the settings to each room's own options. Only daemon/ sees the settings.
 #pragma once
 
+#include <string>
+
 #include "config/settings.h"
 #include "daemon/degrade_ladder.h"
+#include "daemon/recovery.h"
 #include "daemon/scheduler.h"
 #include "daemon/session.h"
 #include "daemon/wardrobe.h"
@@ -11,6 +14,7 @@
 #include "hal/frame.h"
 #include "hal/preview/preview_server.h"
 #include "hal/replay/replay_camera.h"
+#include "hal/sensor_process/process_camera.h"
 #include "hal/sim/world.h"
 #include "render/renderer.h"
 
@@ -21,11 +25,18 @@ fitting::TrackerOptions trackerOptions(const config::Settings& settings, const h
 SessionOptions sessionOptions(const config::Settings& settings, const Wardrobe& wardrobe);
 SchedulerOptions schedulerOptions(const config::Settings& settings);
 LadderOptions ladderOptions(const config::Settings& settings);
+/// `hardware` says which rungs can be taken; it is borrowed, and may be null.
+RecoveryOptions recoveryOptions(const config::Settings& settings, const RecoveryHardware* hardware);
 WardrobeOptions wardrobeOptions(const config::Settings& settings);
 render::RendererOptions rendererOptions(const config::Settings& settings, const hal::DisplayMode& mode);
 hal::DisplayMode displayMode(const config::Settings& settings);
 hal::PreviewOptions previewOptions(const config::Settings& settings);
 hal::sim::WorldOptions worldOptions(const config::Settings& settings);
 hal::ReplayOptions replayOptions(const config::Settings& settings);
+/// What cheval-sensor is to open: the settings' device, or, where `recording` is not empty, that .oni file. An opening
+/// is waited for in parts short enough for the frame loop.
+hal::ProcessCameraOptions sensorProcessOptions(const config::Settings& settings, const std::string& recording);
+/// A recording that OpenNI2 plays and hal/replay does not.
+bool isOniFile(const std::string& path);
 
 }  // namespace cheval::daemon

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -80,7 +81,7 @@ INSTANTIATE_TEST_SUITE_P(CameraSupervisor, CameraChain,
                                          Chain{"stallsAndIsReopened",
                                                {Does::frame, Does::timeOut},
                                                {CameraState::closed, CameraState::streaming, CameraState::lost,
-                                                CameraState::waiting, CameraState::lost}},
+                                                CameraState::waiting, CameraState::lost, CameraState::waiting}},
                                          Chain{"doesNotOpenAtFirst",
                                                {Does::refuseToOpen, Does::refuseToOpen, Does::frame},
                                                {CameraState::closed, CameraState::lost, CameraState::streaming}},
@@ -91,17 +92,17 @@ INSTANTIATE_TEST_SUITE_P(CameraSupervisor, CameraChain,
 
 TEST_F(CameraSupervisorTest, givesUpOnAStalledStreamAfterTheSetTime) {
     script_.steps = {Does::frame, Does::timeOut};
-    CameraSupervisor supervisor = make({.lostAfter = std::chrono::milliseconds(700)});
+    CameraSupervisor supervisor = make({.recovery = {.silence = std::chrono::milliseconds(700)}});
     secondsUntil(supervisor, CameraState::streaming);
     EXPECT_NEAR(secondsUntil(supervisor, CameraState::lost), 0.7, 0.101);
     ASSERT_TRUE(supervisor.fault());
     EXPECT_FALSE(supervisor.fault()->mend.empty());
-    EXPECT_EQ(script_.closed, 1);
+    EXPECT_EQ(supervisor.recovery().rung(), RecoveryRung::restartStream);
 }
 
 TEST_F(CameraSupervisorTest, neverGivesUpOnARecordingForItsGaps) {
     script_.steps = {Does::frame, Does::timeOut};
-    CameraSupervisor supervisor = make({.lostAfter = std::nullopt});
+    CameraSupervisor supervisor = make({.recovery = {.silence = std::nullopt}});
     secondsUntil(supervisor, CameraState::streaming);
     EXPECT_EQ(secondsUntil(supervisor, CameraState::lost), -1.0);
     EXPECT_FALSE(supervisor.fault());
@@ -125,9 +126,83 @@ TEST_F(CameraSupervisorTest, backsOffUpToABoundAndForgetsItWithAFrame) {
     missing_ = false;
     secondsUntil(supervisor, CameraState::streaming);
     EXPECT_FALSE(supervisor.fault());
+    // One frame is no health, and four seconds of them are.
     script_.steps = {Does::lose, Does::frame};
     secondsUntil(supervisor, CameraState::lost);
-    EXPECT_NEAR(secondsUntil(supervisor, CameraState::streaming), 0.5 + 0.033, 0.01);
+    EXPECT_GT(secondsUntil(supervisor, CameraState::streaming), 29.0);
+    hal::DepthFrame last;
+    for (const hal::TimePoint end = clock_.now() + std::chrono::seconds(4); clock_.now() < end;)
+        supervisor.next(last);
+    script_.steps = {Does::lose, Does::frame};
+    secondsUntil(supervisor, CameraState::lost);
+    EXPECT_NEAR(secondsUntil(supervisor, CameraState::streaming), 0.033, 0.01);
+}
+
+/// Hardware that says what it can do, and needs two calls for it.
+class FakeHardware final : public RecoveryHardware {
+  public:
+    [[nodiscard]] bool available(RecoveryRung rung) const override { return rung == RecoveryRung::resetUsb; }
+    Expected<void> perform(RecoveryRung rung) override {
+        performed.push_back(rung);
+        if (performed.size() % 2 == 1) return Error{.code = ErrorCode::timedOut, .cause = "still resetting"};
+        return {};
+    }
+    bool takeArrival() override { return std::exchange(arrived, false); }
+    [[nodiscard]] std::uint32_t restartsBefore() const override { return 0; }
+    void healthy() override { ++health; }
+
+    std::vector<RecoveryRung> performed;
+    bool arrived = false;
+    int health = 0;
+};
+
+TEST_F(CameraSupervisorTest, takesTheHardwaresRungsAndOpensANewCameraAfterThem) {
+    FakeHardware hardware;
+    CameraSupervisorOptions options{.hardware = &hardware};
+    options.recovery.highest = RecoveryRung::powerCycle;
+    options.recovery.available = [&](RecoveryRung rung) { return hardware.available(rung); };
+    script_.steps = {Does::frame, Does::timeOut};
+    CameraSupervisor supervisor = make(options);
+    secondsUntil(supervisor, CameraState::streaming);
+    const hal::TimePoint start = clock_.now();
+    hal::DepthFrame frame;
+    while (hardware.performed.size() < 2 && clock_.now() - start < std::chrono::minutes(5))
+        supervisor.next(frame);
+    ASSERT_EQ(hardware.performed, (std::vector{RecoveryRung::resetUsb, RecoveryRung::resetUsb}));
+    const int before = made_;
+    script_.steps = {Does::frame};
+    for (int i = 0; i < 200; ++i)
+        supervisor.next(frame);
+    EXPECT_LE(made_ - before, 1);
+    EXPECT_EQ(supervisor.state(), CameraState::streaming);
+    EXPECT_GT(hardware.health, 0);
+    EXPECT_EQ(supervisor.recovery().counts()[static_cast<std::size_t>(RecoveryRung::resetUsb)], 1U);
+}
+
+TEST_F(CameraSupervisorTest, opensAtOnceWhatWasPluggedIn) {
+    FakeHardware hardware;
+    CameraSupervisorOptions options{.hardware = &hardware};
+    missing_ = true;
+    script_.steps = {Does::frame};
+    CameraSupervisor supervisor = make(options);
+    hal::DepthFrame frame;
+    while (clock_.now() < hal::TimePoint(std::chrono::minutes(2)))
+        supervisor.next(frame);
+    missing_ = false;
+    hardware.arrived = true;
+    EXPECT_LT(secondsUntil(supervisor, CameraState::streaming), 0.2);
+    EXPECT_FALSE(supervisor.resumed());
+}
+
+TEST_F(CameraSupervisorTest, saysWhichFrameIsTheFirstAfterAnOutage) {
+    script_.steps = {Does::frame, Does::frame, Does::lose, Does::frame, Does::frame};
+    CameraSupervisor supervisor = make();
+    std::string seen;
+    hal::DepthFrame frame;
+    while (seen.size() < 5) {
+        if (supervisor.next(frame) == CameraNext::frame) seen += supervisor.resumed() ? 'r' : '.';
+    }
+    EXPECT_EQ(seen, "..r..");
 }
 
 TEST_F(CameraSupervisorTest, marksTheFirstFrameOfEveryOpening) {
@@ -175,7 +250,7 @@ TEST(CameraSupervisor, stopEndsAWaitFromAnotherThread) {
         [&]() -> Expected<std::unique_ptr<hal::DepthCamera>> {
             return std::unique_ptr<hal::DepthCamera>(std::make_unique<FakeCamera>(script, clock));
         },
-        {.lostAfter = std::chrono::hours(1), .longestWait = std::chrono::hours(1)}, clock);
+        {.recovery = {.silence = std::chrono::hours(2)}, .longestWait = std::chrono::hours(1)}, clock);
     std::atomic<bool> stopped{false};
     std::thread loop([&] {
         hal::DepthFrame frame;

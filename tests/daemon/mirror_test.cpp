@@ -147,8 +147,9 @@ TEST_F(MirrorTest, takesNoHeapMemoryInTheLoopOnceItRuns) {
 }
 
 TEST_F(MirrorTest, staysLitAndSaysWhyWhenTheCameraIsLost) {
-    script_.steps = {Does::frame,        Does::frame,        Does::frame, Does::lose,
-                     Does::refuseToOpen, Does::refuseToOpen, Does::frame};
+    script_.steps = {Does::frame, Does::frame, Does::frame, Does::lose};
+    script_.steps.insert(script_.steps.end(), 5, Does::refuseToOpen);
+    script_.steps.push_back(Does::frame);
     Mirror& mirror = lightScript();
     while (mirror.camera().openings() < 2 && hal::seconds(clock_.now()) < 60.0)
         ASSERT_TRUE(mirror.step());
@@ -158,6 +159,35 @@ TEST_F(MirrorTest, staysLitAndSaysWhyWhenTheCameraIsLost) {
     EXPECT_EQ(screens_.back(), render::Screen::attract);
     // At least five pictures a second all the while: the screen never froze.
     EXPECT_GT(static_cast<double>(screens_.size()), 5.0 * hal::seconds(clock_.now()));
+}
+
+TEST_F(MirrorTest, goesOnWithTheSameShopperInTheSameClothesAfterAShortOutage) {
+    const auto world = hal::sim::makeWorld(worldOptions(settings_));
+    Mirror& mirror = light(
+        [&]() -> Expected<std::unique_ptr<hal::DepthCamera>> { return hal::sim::makeSimulatedCamera(world, clock_); });
+    while (mirror.status().state != SessionState::wearing && hal::seconds(clock_.now()) < 10.0)
+        ASSERT_TRUE(mirror.step(never));
+    buttons_.press(hal::Button::next);
+    for (int i = 0; i < 30; ++i)
+        ASSERT_TRUE(mirror.step(never));
+    const int measured = mirror.chain().measurements()->frames;
+    ASSERT_GT(measured, 0);
+
+    world->setFault(hal::sim::CameraFault::lost);
+    const hal::TimePoint lost = clock_.now();
+    while (clock_.now() - lost < std::chrono::milliseconds(700))
+        ASSERT_TRUE(mirror.step());
+    EXPECT_THAT(screens_, testing::Not(testing::Contains(render::Screen::service)));
+    EXPECT_GT(mirror.status().fault.length, 0U);
+    world->setFault(hal::sim::CameraFault::none);
+    const hal::TimePoint back = clock_.now();
+    while (mirror.status().camera != CameraState::streaming && clock_.now() - back < std::chrono::seconds(40))
+        ASSERT_TRUE(mirror.step(never));
+    EXPECT_LT(clock_.now() - back, std::chrono::seconds(2));
+    EXPECT_EQ(mirror.status().state, SessionState::wearing);
+    EXPECT_EQ(mirror.status().outfit.view(), wardrobe_.outfits[1].name);
+    EXPECT_EQ(mirror.status().visits, 1U);
+    EXPECT_GE(mirror.chain().measurements()->frames, measured) << "the shopper is measured anew";
 }
 
 TEST_F(MirrorTest, staysLitWhenThereIsNoCameraAtAll) {
