@@ -20,7 +20,7 @@ using test::FakeCamera;
 
 class CameraSupervisorTest : public testing::Test {
   protected:
-    CameraSupervisor make(CameraSupervisorOptions options = {}) {
+    CameraSupervisor make(const CameraSupervisorOptions& options = {}) {
         return {[this]() -> Expected<std::unique_ptr<hal::DepthCamera>> {
                     ++made_;
                     if (missing_) return Error{.code = ErrorCode::notFound, .cause = "no such folder"};

@@ -27,7 +27,7 @@ constexpr std::array kAllEvents = {RecoveryEvent::begin, RecoveryEvent::opened, 
 /// they come due.
 class Driver {
   public:
-    explicit Driver(RecoveryOptions options = {}) : machine_(options) {}
+    explicit Driver(const RecoveryOptions& options = {}) : machine_(options) {}
 
     void tell(RecoveryEvent event) { note(machine_.on(event, now_)); }
     /// Lets time pass; timers fire when they are due, and what they ask for is refused, as by a sensor that is gone,

@@ -27,6 +27,7 @@ PLAIN = HAL_PLAIN | FITTING_PLAIN | RENDER_PLAIN
 # What wraps a library is in a folder that names it, or in the one room that it was chosen for.
 LIBRARY_HOMES = (
     (re.compile(r"OpenNI\.h|OniCAPI\.h"), ("hal/openni/",)),
+    (re.compile(r"Driver/OniDriver.*"), ("hal/sim/openni/",)),
     (re.compile(r"gpiod\.(h|hpp)"), ("hal/gpiod/",)),
     (re.compile(r"httplib\.h"), ("hal/preview/",)),
     (re.compile(r"xf86drm(Mode)?\.h|gbm\.h"), ("hal/kms/", "render/")),

@@ -36,10 +36,13 @@ class RecordingFolder {
         return hal::writePng(path(name), hal::Image<hal::Rgb8>(width, height, fill).view()).hasValue();
     }
     /// sensor.json and `count` pictures depth-0.png …; picture i begins with 1000 · (i + 1).
-    bool recording(int count, const std::string& sensorJson = kSensorJson) const {
+    bool recording(int count, const std::string& sensorJson = kSensorJson, int width = kWidth,
+                   int height = kHeight) const {
         bool good = text("sensor.json", sensorJson);
         for (int i = 0; i < count; ++i) {
-            good = depth("depth-" + std::to_string(i) + ".png", static_cast<std::uint16_t>(1000 * (i + 1))) && good;
+            good = depth("depth-" + std::to_string(i) + ".png", static_cast<std::uint16_t>(1000 * (i + 1)), width,
+                         height) &&
+                   good;
         }
         return good;
     }
