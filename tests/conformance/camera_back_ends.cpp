@@ -3,8 +3,10 @@
 #include <filesystem>
 
 #include "hal/replay/replay_camera.h"
+#include "hal/sensor_process/process_camera.h"
 #include "hal/sim/world.h"
 #include "tests/hal/replay/recording_folder.h"
+#include "tests/support/sensor_world.h"
 
 namespace cheval::test {
 
@@ -60,6 +62,47 @@ class SimulatedRig final : public CameraRig {
     std::shared_ptr<hal::sim::World> world_;
 };
 
+// The real OpenNI2 in a process of its own, with our driver in place of a sensor maker's.
+class OpenNiRig : public CameraRig {
+  public:
+    std::unique_ptr<hal::DepthCamera> make(hal::Clock& clock) override {
+        world_ = std::make_unique<SensorWorld>(spec());
+        return hal::makeProcessCamera({.program = CHEVAL_SENSOR, .environment = world_->environment()}, clock);
+    }
+    // No sensor offers a frame in ten seconds; one that stalls is as slow.
+    std::unique_ptr<hal::DepthCamera> makeSlow(hal::Clock& clock) override {
+        auto camera = make(clock);
+        world_->tell("stall");
+        return camera;
+    }
+    void lose() override { world_->tell("unplug"); }
+    void bringBack() override { world_->tell("plug"); }
+
+  protected:
+    virtual std::string spec() = 0;
+
+  private:
+    std::unique_ptr<SensorWorld> world_;
+};
+
+class OpenNiWorldRig final : public OpenNiRig {
+  protected:
+    std::string spec() override { return "sim:seed=1,noise=0"; }
+};
+
+class OpenNiFolderRig final : public OpenNiRig {
+  protected:
+    std::string spec() override {
+        folder_.recording(20,
+                          R"({"width": 640, "height": 480, "fx": 570, "fy": 570, "cx": 319.5, "cy": 239.5, "fps": 30})",
+                          640, 480);
+        return "folder:" + folder_.path();
+    }
+
+  private:
+    RecordingFolder folder_;
+};
+
 }  // namespace
 
 std::vector<CameraBackEnd> cameraBackEnds() {
@@ -75,7 +118,17 @@ std::vector<CameraBackEnd> cameraBackEnds() {
             {.name = "simulated",
              .rig = [] { return std::make_unique<SimulatedRig>(); },
              .canBeLost = true,
-             .canBeSlow = true}};
+             .canBeSlow = true},
+            {.name = "openniOfTheSimulation",
+             .rig = [] { return std::make_unique<OpenNiWorldRig>(); },
+             .canBeLost = true,
+             .canBeSlow = true,
+             .live = true},
+            {.name = "openniOfAFolder",
+             .rig = [] { return std::make_unique<OpenNiFolderRig>(); },
+             .canBeLost = true,
+             .canBeSlow = true,
+             .live = true}};
 }
 
 }  // namespace cheval::test

@@ -21,7 +21,7 @@ class CameraRig {
 
     /// The camera; null fails the test.
     virtual std::unique_ptr<hal::DepthCamera> make(hal::Clock& clock) = 0;
-    /// Where canBeSlow: a camera whose second frame comes ten seconds after its first.
+    /// Where canBeSlow: a camera that may send one frame at once, and then none for ten seconds.
     virtual std::unique_ptr<hal::DepthCamera> makeSlow(hal::Clock& /*clock*/) { return nullptr; }
     /// Where canBeLost: takes the device away, and brings it back.
     virtual void lose() {}
@@ -37,6 +37,7 @@ struct CameraBackEnd {
     bool ends = false;  ///< A recording, which is the same from its start whenever it is opened.
     bool canBeLost = false;
     bool canBeSlow = false;
+    bool live = false;  ///< Runs in real time, and skips what nobody waited for.
 };
 
 /// gtest's name for a parameter.
