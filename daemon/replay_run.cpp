@@ -21,13 +21,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Expected<void> checkSource(const std::string& source) {
-    if (!fs::path(source).extension().string().starts_with(".oni")) return {};
-    return Error{.code = ErrorCode::invalidInput,
-                 .cause = "this build plays folders; .oni needs cheval-sensor",
-                 .mend = "turn the recording into a folder of 16-bit PNGs with a sensor.json",
-                 .why = "OpenNI2 is linked into cheval-sensor alone",
-                 .file = source};
+/// What is played, with what it has to say about it afterwards.
+struct Source {
+    std::unique_ptr<hal::DepthCamera> camera;
+    const hal::ReplayCamera* folder = nullptr;  ///< Null for an .oni file, which OpenNI2 plays.
+};
+
+Expected<Source> openSource(const config::Settings& settings, const std::string& source, hal::Clock& clock) {
+    if (isOniFile(source)) {
+        std::error_code failed;
+        if (!std::filesystem::is_regular_file(source, failed)) {
+            return Error{.code = ErrorCode::notFound,
+                         .cause = "there is no such recording",
+                         .mend = "name an .oni file, or a folder with a sensor.json",
+                         .file = source};
+        }
+        hal::ProcessCameraOptions options = sensorProcessOptions(settings, source);
+        options.openWait = std::chrono::seconds(15);
+        return Source{.camera = hal::makeProcessCamera(options, clock)};
+    }
+    Expected<std::unique_ptr<hal::ReplayCamera>> recording = hal::makeReplayCamera({.folder = source}, clock);
+    if (!recording) return std::move(recording).error();
+    const hal::ReplayCamera* folder = recording->get();
+    return Source{.camera = std::move(*recording), .folder = folder};
 }
 
 Expected<void> makeFolder(const std::string& folder) {
@@ -66,8 +82,7 @@ class PictureFiles {
 }  // namespace
 
 Expected<ReplayReport> replayRecording(const config::Settings& given, const ReplayRunOptions& options) {
-    Expected<void> checked = checkSource(options.source);
-    if (checked) checked = makeFolder(options.frames);
+    Expected<void> checked = makeFolder(options.frames);
     if (!checked) return std::move(checked).error();
 
     config::Settings settings = given;
@@ -92,10 +107,10 @@ Expected<ReplayReport> replayRecording(const config::Settings& given, const Repl
     Expected<std::unique_ptr<Screen>> screen = Screen::open(settings, clock);
     if (!screen) return std::move(screen).error();
 
-    Expected<std::unique_ptr<hal::ReplayCamera>> recording = hal::makeReplayCamera({.folder = options.source}, clock);
-    if (!recording) return std::move(recording).error();
-    const hal::ReplayCamera& replay = **recording;
-    std::unique_ptr<hal::DepthCamera> camera = std::move(*recording);
+    Expected<Source> source = openSource(settings, options.source, clock);
+    if (!source) return std::move(source).error();
+    const hal::ReplayCamera* folder = source->folder;
+    std::unique_ptr<hal::DepthCamera> camera = std::move(source->camera);
     std::unique_ptr<TracksWriter> tracks;
     if (!options.tracks.empty()) {
         Expected<std::unique_ptr<TracksWriter>> created = TracksWriter::create(options.tracks);
@@ -150,8 +165,10 @@ Expected<ReplayReport> replayRecording(const config::Settings& given, const Repl
         Expected<void> finished = tracks->finish(mirror.chain().measurements());
         if (!finished) return std::move(finished).error();
     }
-    for (std::string& warning : replay.warnings())
-        report.warnings.push_back(std::move(warning));
+    if (folder != nullptr) {
+        for (std::string& warning : folder->warnings())
+            report.warnings.push_back(std::move(warning));
+    }
     report.pictures = files.count();
     report.renderer = mirror.rendererDescription();
     report.tasks = mirror.statistics();

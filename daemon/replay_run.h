@@ -32,7 +32,7 @@ struct ReplayReport {
     std::vector<TaskStatistics> tasks;
 };
 
-/// Refuses .oni files, folders that are no recordings, unknown garments and a frame or file that cannot be written.
+/// Refuses files and folders that are no recordings, unknown garments and a frame or file that cannot be written.
 Expected<ReplayReport> replayRecording(const config::Settings& settings, const ReplayRunOptions& options);
 
 }  // namespace cheval::daemon

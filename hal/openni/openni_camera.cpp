@@ -146,7 +146,14 @@ class OpenNiCameraImplementation final : public OpenNiCamera {
             if (interrupt.raised()) return FrameStatus::closed;
             if (!recorded() && listener_.takeDeparture()) return lose("the sensor was unplugged");
             const TimePoint now = steady_.now();
-            if (depthWaits_ && (colourFits() || now >= colourLimit_)) return deliver(frame);
+            if (depthWaits_ && (colourFits() || now >= colourLimit_)) {
+                // The header may promise more frames than there are; then the player begins again.
+                if (recorded() && delivered_ > 0 && stampOf(depthFrame_) <= lastStamp_) {
+                    recordedFrames_ = delivered_;
+                    return FrameStatus::ended;
+                }
+                return deliver(frame);
+            }
             if (now >= limit) return FrameStatus::timedOut;
             const Duration left = (depthWaits_ ? std::min(limit, colourLimit_) : limit) - now;
             std::array<openni::VideoStream*, 2> streams = {&depth_, &colour_};
@@ -340,6 +347,7 @@ class OpenNiCameraImplementation final : public OpenNiCamera {
         depthWaits_ = false;
         const Duration stamp = stampOf(depthFrame_);
         if (recorded() && delivered_ == 0) firstStamp_ = stamp;
+        lastStamp_ = stamp;
         frame = DepthFrame{
             .sequence = recorded() ? delivered_ : static_cast<std::uint64_t>(std::max(0, depthFrame_.getFrameIndex())),
             .captureTime = recorded() ? TimePoint(stamp - firstStamp_) : clock_.captureTime(stamp, arrival_),
@@ -400,6 +408,7 @@ class OpenNiCameraImplementation final : public OpenNiCamera {
     std::uint64_t delivered_ = 0;
     std::uint64_t recordedFrames_ = 0;
     Duration firstStamp_{};
+    Duration lastStamp_{};
     Image<std::uint16_t> depthImage_;
     Image<Rgb8> colourImage_;
 };

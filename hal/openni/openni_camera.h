@@ -27,7 +27,7 @@ class OpenNiCamera : public DepthCamera {
 /// above, then 320×240, each pixel doubled both ways. Depth in millimetres or tenths of them. Mirroring and cropping
 /// are off. Capture times are the device's own, moved onto CLOCK_MONOTONIC by the least delay seen.
 /// A recording is read frame by frame, as fast as it is asked for: captureTime counts from its first frame. It ends
-/// after as many depth frames as it says it has.
+/// after as many depth frames as it says it has, or where its times begin again.
 Expected<std::unique_ptr<OpenNiCamera>> makeOpenNiCamera(const OpenNiOptions& options);
 
 }  // namespace cheval::hal

