@@ -141,6 +141,7 @@ class SpawnPlan {
 
     int start(std::vector<std::string> words, pid_t& process) const {
         std::vector<char*> arguments;
+        arguments.reserve(words.size() + 1);
         for (std::string& word : words)
             arguments.push_back(word.data());
         arguments.push_back(nullptr);

@@ -146,10 +146,8 @@ TEST_F(UsbWatcherTest, CanBeStartedAgain) {
 // Where the program sees an empty folder in place of the machine's: no sysfs and no device nodes.
 class UsbWatcherWithoutUsb : public testing::Test {
   protected:
-    UsbWatcherWithoutUsb() { ::setenv("UMOCKDEV_DIR", nothing_.path().c_str(), 1); }
-    ~UsbWatcherWithoutUsb() override { ::unsetenv("UMOCKDEV_DIR"); }
-    UsbWatcherWithoutUsb(const UsbWatcherWithoutUsb&) = delete;
-    UsbWatcherWithoutUsb& operator=(const UsbWatcherWithoutUsb&) = delete;
+    void SetUp() override { ASSERT_EQ(::setenv("UMOCKDEV_DIR", nothing_.path().c_str(), 1), 0); }
+    void TearDown() override { ::unsetenv("UMOCKDEV_DIR"); }
 
     const test::TemporaryFolder nothing_;
 };
