@@ -210,11 +210,10 @@ class FolderWriter final : public RecordingWriter {
             const bool failed = fault_.has_value();
             Slot& slot = slots_[first_];
             lock.unlock();
-            Expected<void> done;
-            if (!failed) done = write(slot);
+            const Expected<void> done = failed ? Expected<void>() : write(slot);
             lock.lock();
-            if (!done && !fault_) fault_ = std::move(done).error();
             ++(failed || !done ? counts_.dropped : counts_.written);
+            if (!done && !fault_) fault_ = done.error();
             first_ = (first_ + 1) % slots_.size();
             --waiting_;
             lock.unlock();
@@ -232,7 +231,9 @@ class FolderWriter final : public RecordingWriter {
 
     template <typename Pixel>
     Expected<void> writePicture(const char* kind, std::uint64_t number, const Image<Pixel>& picture) {
-        if (auto done = encodePng(picture.view(), png_, {.compression = options_.compression}); !done) return done;
+        if (auto done = encodePng(picture.view(), png_, {.compression = options_.compression, .oneFilter = true});
+            !done)
+            return done;
         return writeWhole((fs::path(options_.folder) / fileName(kind, number)).string(), png_);
     }
 
