@@ -8,6 +8,7 @@
 
 #include "hal/clock.h"
 #include "tests/hal/usb/mock_usb.h"
+#include "tests/support/allocation_counter.h"
 #include "tests/support/temporary_folder.h"
 
 namespace cheval::hal {
@@ -127,6 +128,20 @@ TEST_F(UsbWatcherTest, WhatNobodyTakesIsDroppedFromTheFrontAndCounted) {
         EXPECT_EQ(event.change, i % 2 == 0 ? UsbChange::arrived : UsbChange::left) << i;
     }
     EXPECT_FALSE(watcher->take(event));
+}
+
+TEST_F(UsbWatcherTest, TakesNoMemoryWhileNothingHappens) {
+    usb_.plugIn({});
+    const auto watcher = watch();
+    ASSERT_NE(watcher, nullptr);
+    ASSERT_TRUE(watcher->poll());  // The first may still prepare itself.
+    UsbEvent event;
+    const test::AllocationCounter counter;
+    for (int i = 0; i < 1000; ++i) {
+        (void)watcher->poll();
+        EXPECT_FALSE(watcher->take(event));
+    }
+    EXPECT_EQ(counter.count(), 0U);
 }
 
 TEST_F(UsbWatcherTest, CanBeStartedAgain) {
