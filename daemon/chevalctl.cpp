@@ -13,6 +13,7 @@
 #include "config/loader.h"
 #include "config/settings_table.h"
 #include "daemon/log.h"
+#include "daemon/record_run.h"
 #include "daemon/replay_run.h"
 
 namespace {
@@ -128,6 +129,29 @@ int replay(const config::LoadOptions& where, ReplayArguments& arguments) {
     return kGood;
 }
 
+int record(const config::LoadOptions& where, daemon::RecordOptions& options) {
+    const config::LoadedSettings loaded = config::loadSettings(where);
+    printProblems(loaded);
+    if (!loaded.good()) return kBadSettings;
+    daemon::StopSignals signals;
+    options.stop = [&signals] { return signals.requested(); };
+    options.started = [&options](const hal::CameraInfo& info) {
+        daemon::log(Severity::notice, fmt::format("recording {} into {}; Ctrl+C ends it", info.name, options.folder));
+    };
+    hal::SteadyClock clock;
+    const Expected<daemon::RecordReport> report = daemon::recordSensor(loaded.settings, options, clock);
+    if (!report) {
+        daemon::log(Severity::error, report.error().message());
+        return kFailed;
+    }
+    fmt::print("{} frames written with {}, {} dropped for want of time, {} lost by the sensor\n",
+               report->frames.written, report->colour ? "colour" : "depth alone", report->frames.dropped,
+               report->missed);
+    if (!report->fault) return kGood;
+    daemon::log(Severity::error, report->fault->message());
+    return kFailed;
+}
+
 int run(int argc, char** argv) {
     CLI::App app{"Looks after a fitting mirror."};
     app.footer(kFooter);
@@ -166,6 +190,16 @@ int run(int argc, char** argv) {
         ->capture_default_str();
     replayCommand->add_option("--size", arguments.size,
                               "Size of the pictures, e.g. 540x960 (default: display.width x display.height)");
+    daemon::RecordOptions recordOptions;
+    auto* recordCommand =
+        app.add_subcommand("record", "Record what the sensor sees, for replay (needs privacy.recording)")
+            ->fallthrough();
+    recordCommand->add_option("folder", recordOptions.folder, "Folder to record into: a new one, or an empty one")
+        ->required();
+    recordCommand->add_option("--seconds", recordOptions.seconds, "End after this long (default: at Ctrl+C)")
+        ->check(CLI::Range(0.0, 86'400.0));
+    recordCommand->add_option("--frames", recordOptions.frames, "End after so many frames")
+        ->check(CLI::Range(1, 1'000'000));
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -178,6 +212,7 @@ int run(int argc, char** argv) {
     }
     if (show->parsed()) return showConfig(options, defaults);
     if (check->parsed()) return checkConfig(options);
+    if (recordCommand->parsed()) return record(options, recordOptions);
     return replay(options, arguments);
 }
 

@@ -6,14 +6,16 @@
 
 namespace cheval::daemon {
 
+hal::Mount sensorMount(const config::Settings& settings, const hal::Mount& declared) {
+    if (settings.sensor.heightMm <= 0.0) return declared;
+    return {.heightMm = static_cast<float>(settings.sensor.heightMm),
+            .tiltDeg = static_cast<float>(settings.sensor.tiltDeg),
+            .rollDeg = static_cast<float>(settings.sensor.rollDeg),
+            .known = true};
+}
+
 fitting::TrackerOptions trackerOptions(const config::Settings& settings, const hal::Mount& declared) {
-    hal::Mount mount = declared;
-    if (settings.sensor.heightMm > 0.0) {
-        mount = {.heightMm = static_cast<float>(settings.sensor.heightMm),
-                 .tiltDeg = static_cast<float>(settings.sensor.tiltDeg),
-                 .rollDeg = static_cast<float>(settings.sensor.rollDeg),
-                 .known = true};
-    }
+    hal::Mount mount = sensorMount(settings, declared);
     // A sensor turned clockwise sees the world turned the other way.
     if (settings.sensor.rotation == config::Rotation::clockwise) mount.rollDeg += 90.0F;
     if (settings.sensor.rotation == config::Rotation::anticlockwise) mount.rollDeg -= 90.0F;

@@ -20,7 +20,10 @@
 
 namespace cheval::daemon {
 
-/// `declared` is what the camera says of its own mount; it counts where the settings leave the height at 0.
+/// How the sensor hangs: `declared` is what the camera says of its own mount; it counts where the settings leave the
+/// height at 0.
+hal::Mount sensorMount(const config::Settings& settings, const hal::Mount& declared);
+/// `declared` as for sensorMount().
 fitting::TrackerOptions trackerOptions(const config::Settings& settings, const hal::Mount& declared);
 SessionOptions sessionOptions(const config::Settings& settings, const Wardrobe& wardrobe);
 SchedulerOptions schedulerOptions(const config::Settings& settings);

@@ -147,6 +147,8 @@ Expected<void> encode(ImageView<const Pixel> picture, std::vector<std::byte>& pn
                      .interlace_method = SPNG_INTERLACE_NONE};
     int code = spng_set_option(context.get(), SPNG_ENCODE_TO_BUFFER, 1);
     if (code == 0) code = spng_set_option(context.get(), SPNG_IMG_COMPRESSION_LEVEL, options.compression);
+    if (code == 0 && options.oneFilter)
+        code = spng_set_option(context.get(), SPNG_FILTER_CHOICE, SPNG_FILTER_CHOICE_SUB);
     if (code == 0) code = spng_set_ihdr(context.get(), &header);
     if (code == 0)
         code =

@@ -29,6 +29,7 @@ LIBRARY_HOMES = (
     (re.compile(r"OpenNI\.h|OniCAPI\.h"), ("hal/openni/",)),
     (re.compile(r"Driver/OniDriver.*"), ("hal/sim/openni/",)),
     (re.compile(r"gpiod\.(h|hpp)"), ("hal/gpiod/",)),
+    (re.compile(r"libusb(-1\.0/libusb)?\.h"), ("hal/usb/",)),
     (re.compile(r"httplib\.h"), ("hal/preview/",)),
     (re.compile(r"xf86drm(Mode)?\.h|gbm\.h"), ("hal/kms/", "render/")),
     (re.compile(r"spng\.h"), ("hal/png/",)),

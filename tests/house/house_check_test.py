@@ -55,6 +55,8 @@ class House(unittest.TestCase):
             ("daemon/mirror.cpp", '"tests/support/random.h"'),
             ("daemon/mirror.cpp", '"mirror.h"'),
             ("fitting/tracking/tracker.cpp", "<httplib.h>"),
+            ("daemon/mirror.cpp", "<libusb.h>"),
+            ("hal/openni/camera.cpp", "<libusb-1.0/libusb.h>"),
             ("daemon/mirror.cpp", "<GLES3/gl3.h>"),
             ("daemon/mirror.cpp", "<toml++/toml.h>"),
             ("fitting/tracking/tracker.cpp", "<opencv2/video.hpp>"),
@@ -78,6 +80,7 @@ class House(unittest.TestCase):
             ("daemon/mirror.cpp", '"render/renderer.h"'),
             ("daemon/cheval_bake.cpp", '"fitting/bake/bake.h"'),
             ("hal/preview/server.cpp", "<httplib.h>"),
+            ("hal/usb/usb_watcher.cpp", "<libusb.h>"),
             ("tests/daemon/mirror_test.cpp", '"tests/support/random.h"'),
         ):
             with self.subTest(path=path, header=header):

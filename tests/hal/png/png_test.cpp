@@ -62,6 +62,15 @@ TYPED_TEST(PngRoundTripTest, DecodesWhatItEncoded) {
     EXPECT_EQ(back.pixels, image.pixels);
 }
 
+TYPED_TEST(PngRoundTripTest, OneFilterForAllRowsGivesTheSamePicture) {
+    const auto image = pattern<TypeParam>();
+    std::vector<std::byte> png;
+    ASSERT_TRUE(encodePng(image.view(), png, {.compression = 1, .oneFilter = true}));
+    Image<TypeParam> back;
+    ASSERT_TRUE(decodePng(png, back));
+    EXPECT_EQ(back.pixels, image.pixels);
+}
+
 TYPED_TEST(PngRoundTripTest, SamePictureGivesSameBytes) {
     const auto image = pattern<TypeParam>();
     EXPECT_EQ(encoded(image), encoded(image));
