@@ -37,23 +37,6 @@ std::int64_t monotonicNs() {
 
 }  // namespace
 
-Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
-    if (this != &other) {
-        reset();
-        value_ = other.release();
-    }
-    return *this;
-}
-
-int Descriptor::release() {
-    return std::exchange(value_, -1);
-}
-
-void Descriptor::reset() {
-    if (value_ >= 0) ::close(value_);
-    value_ = -1;
-}
-
 Expected<RingMemory> RingMemory::create() {
     Descriptor descriptor(::memfd_create("cheval-frames", MFD_CLOEXEC | MFD_ALLOW_SEALING));
     if (!descriptor.valid()) return systemError("memfd_create");

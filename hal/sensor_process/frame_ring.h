@@ -8,31 +8,11 @@
 #include <optional>
 #include <utility>
 
+#include "hal/descriptor.h"
 #include "hal/expected.h"
 #include "hal/frame.h"
 
 namespace cheval::hal {
-
-/// A file descriptor with one owner. Movable, thread-bound.
-class Descriptor {
-  public:
-    Descriptor() = default;
-    explicit Descriptor(int value) : value_(value) {}
-    ~Descriptor() { reset(); }
-    Descriptor(Descriptor&& other) noexcept : value_(other.release()) {}
-    Descriptor& operator=(Descriptor&& other) noexcept;
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-
-    [[nodiscard]] int get() const { return value_; }
-    [[nodiscard]] bool valid() const { return value_ >= 0; }
-    /// Gives it away, unclosed.
-    int release();
-    void reset();
-
-  private:
-    int value_ = -1;
-};
 
 /// What a frame carries besides its pixels. Fixed layout: it lies in shared memory.
 struct RingFrame {

@@ -11,7 +11,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "hal/sensor_process/child_process.h"
+#include "hal/child_process.h"
 #include "hal/sensor_process/frame_ring.h"
 #include "hal/sensor_process/message.h"
 

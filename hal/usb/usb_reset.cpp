@@ -2,21 +2,12 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cerrno>
 #include <csignal>
-#include <cstring>
 #include <memory>
+#include <optional>
 #include <utility>
-#include <vector>
 
 #include <libusb.h>
-#include <poll.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-extern "C" {
-#include <sys/pidfd.h>  // glibc 2.36 forgets to say that it is C.
-}
 
 #include "hal/usb/usb_bus.h"
 
@@ -77,13 +68,6 @@ Expected<UsbResetOutcome> explain(Exit exit, const std::string& portPath) {
                  .mend = "install chevald and cheval-usb-reset of the same version"};
 }
 
-Expected<UsbResetOutcome> explainStatus(int status, const std::string& portPath) {
-    if (WIFEXITED(status)) return explain(static_cast<Exit>(WEXITSTATUS(status)), portPath);
-    return Error{.code = ErrorCode::internal,
-                 .cause = "the program that resets the sensor was ended by signal " + std::to_string(WTERMSIG(status)),
-                 .mend = "switch the sensor's power off and on"};
-}
-
 struct DeviceListDeleter {
     void operator()(libusb_device** devices) const { libusb_free_device_list(devices, 1); }
 };
@@ -120,127 +104,43 @@ Exit resetOne(const std::string& portPath) {
     return exitOf(libusb_reset_device(opened));
 }
 
-/// What a started process takes with it: no descriptor but the three standard ones, no blocked signal.
-class SpawnPlan {
-  public:
-    SpawnPlan() {
-        posix_spawn_file_actions_init(&actions_);
-        posix_spawn_file_actions_addclosefrom_np(&actions_, STDERR_FILENO + 1);
-        posix_spawnattr_init(&attributes_);
-        sigset_t none;
-        sigemptyset(&none);
-        posix_spawnattr_setsigmask(&attributes_, &none);
-        posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK);
-    }
-    ~SpawnPlan() {
-        posix_spawnattr_destroy(&attributes_);
-        posix_spawn_file_actions_destroy(&actions_);
-    }
-    SpawnPlan(const SpawnPlan&) = delete;
-    SpawnPlan& operator=(const SpawnPlan&) = delete;
-
-    int start(std::vector<std::string> words, pid_t& process) const {
-        std::vector<char*> arguments;
-        arguments.reserve(words.size() + 1);
-        for (std::string& word : words)
-            arguments.push_back(word.data());
-        arguments.push_back(nullptr);
-        return posix_spawn(&process, arguments.front(), &actions_, &attributes_, arguments.data(), environ);
-    }
-
-  private:
-    posix_spawn_file_actions_t actions_{};
-    posix_spawnattr_t attributes_{};
-};
-
-bool abandonedStillHangs() {
-    const pid_t process = abandoned.load();
-    if (process < 0) return false;
-    if (::waitpid(process, nullptr, WNOHANG) == 0) return true;
-    abandoned = -1;
-    return false;
-}
-
-/// True as soon as the process is over.
-bool waitForEnd(int descriptor, Duration patience) {
-    const auto until = SteadyTime::now() + patience;
-    while (true) {
-        const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - SteadyTime::now());
-        pollfd watched{.fd = descriptor, .events = POLLIN, .revents = 0};
-        const int ready = ::poll(&watched, 1, static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 60'000)));
-        if (ready > 0) return true;
-        if (SteadyTime::now() >= until || (ready < 0 && errno != EINTR)) return false;
-    }
-}
-
 }  // namespace
 
 Expected<UsbReset> UsbReset::start(const UsbResetOptions& options) {
-    if (abandonedStillHangs()) {
+    ChildProcess::reapAbandoned();
+    if (abandoned.load() >= 0 && ::kill(abandoned.load(), 0) == 0) {
         return Error{.code = ErrorCode::unavailable,
                      .cause = "an earlier reset of the sensor still hangs",
                      .mend = "switch the sensor's power off and on",
                      .why = "the kernel waits for the device, and nothing but the device can end that"};
     }
-    UsbReset reset;
-    reset.portPath_ = options.portPath;
-    reset.deadline_ = SteadyTime::now() + options.limit;
-    std::vector<std::string> words{options.program};
-    if (!options.portPath.empty()) words.push_back(options.portPath);
-    if (const int fault = SpawnPlan().start(std::move(words), reset.process_)) {
-        reset.process_ = -1;
-        return Error{.code = fault == ENOENT || fault == EACCES ? ErrorCode::notFound : ErrorCode::resource,
-                     .cause = std::string("the program that resets the sensor cannot be started: ") +
-                              std::strerror(fault),  // NOLINT(concurrency-mt-unsafe): glibc's is safe.
-                     .mend = "install it again",
-                     .file = options.program};
-    }
-    reset.descriptor_ = ::pidfd_open(reset.process_, 0);
-    if (reset.descriptor_ < 0) {
-        const int fault = errno;
-        reset.giveUp();
-        return Error{.code = ErrorCode::resource,
-                     .cause = std::string("the reset cannot be waited for: ") +
-                              std::strerror(fault)};  // NOLINT(concurrency-mt-unsafe): glibc's is safe.
-    }
-    return reset;
+    abandoned = -1;
+    ChildProcess::Start start{.program = options.program};
+    if (!options.portPath.empty()) start.arguments.push_back(options.portPath);
+    Expected<ChildProcess> process = ChildProcess::start(start);
+    if (!process) return std::move(process).error().within("while resetting the sensor");
+    return UsbReset(std::move(*process), options);
 }
 
-UsbReset::UsbReset(UsbReset&& other) noexcept
-    : portPath_(std::move(other.portPath_)),
-      process_(std::exchange(other.process_, -1)),
-      descriptor_(std::exchange(other.descriptor_, -1)),
-      deadline_(other.deadline_),
-      outcome_(std::move(other.outcome_)) {}
-
-UsbReset::~UsbReset() {
-    giveUp();
-    if (descriptor_ >= 0) ::close(descriptor_);
-}
+UsbReset::UsbReset(ChildProcess process, const UsbResetOptions& options)
+    : portPath_(options.portPath), process_(std::move(process)), deadline_(SteadyTime::now() + options.limit) {}
 
 void UsbReset::giveUp() {
-    if (process_ < 0) return;
-    ::kill(process_, SIGKILL);
     // One that is not in the kernel's hands is over as soon as it is scheduled.
     constexpr Duration kMoment = std::chrono::milliseconds(100);
-    if (descriptor_ >= 0) waitForEnd(descriptor_, kMoment);
-    if (::waitpid(process_, nullptr, WNOHANG) == 0) abandoned = process_;
-    process_ = -1;
+    const pid_t pid = process_.pid();
+    if (pid >= 0 && !process_.kill(kMoment)) abandoned = pid;
 }
 
 std::optional<Expected<UsbResetOutcome>> UsbReset::outcome(Duration patience) {
     if (outcome_) return outcome_;
     const Duration left = std::max<Duration>(deadline_ - SteadyTime::now(), Duration::zero());
-    if (waitForEnd(descriptor_, std::min(patience, left))) {
-        int status = 0;
-        const pid_t ended = ::waitpid(process_, &status, WNOHANG);
-        if (ended == process_) {
-            outcome_ = explainStatus(status, portPath_);
-        } else {
-            outcome_ = Error{.code = ErrorCode::internal,
-                             .cause = "what came of the reset was taken by another part of the program"};
-        }
-        process_ = -1;
+    if (process_.waitEnd(std::min(patience, left))) {
+        outcome_ = process_.exitStatus() >= 0
+                       ? explain(static_cast<Exit>(process_.exitStatus()), portPath_)
+                       : Error{.code = ErrorCode::internal,
+                               .cause = "the program that resets the sensor " + process_.ending(),
+                               .mend = "switch the sensor's power off and on"};
         return outcome_;
     }
     if (SteadyTime::now() < deadline_) return std::nullopt;

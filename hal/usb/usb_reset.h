@@ -10,8 +10,7 @@
 #include <optional>
 #include <string>
 
-#include <sys/types.h>
-
+#include "hal/child_process.h"
 #include "hal/clock.h"
 #include "hal/expected.h"
 
@@ -34,12 +33,12 @@ class UsbReset {
   public:
     /// Returns at once. Errors: notFound (the program), unavailable (an earlier one hangs), resource.
     static Expected<UsbReset> start(const UsbResetOptions& options);
-    UsbReset(UsbReset&& other) noexcept;
+    UsbReset(UsbReset&&) noexcept = default;
     UsbReset& operator=(UsbReset&&) = delete;
     UsbReset(const UsbReset&) = delete;
     UsbReset& operator=(const UsbReset&) = delete;
     /// Gives up on it if it is not over.
-    ~UsbReset();
+    ~UsbReset() { giveUp(); }
 
     /// What came of it, waiting for at most `patience`; empty: it is not over. Once it is, says the same again. Errors:
     /// notFound (no such sensor), invalidInput (several, and no port path), unavailable (no permission, the device
@@ -47,12 +46,11 @@ class UsbReset {
     std::optional<Expected<UsbResetOutcome>> outcome(Duration patience = Duration::zero());
 
   private:
-    UsbReset() = default;
+    UsbReset(ChildProcess process, const UsbResetOptions& options);
     void giveUp();
 
     std::string portPath_;
-    pid_t process_ = -1;
-    int descriptor_ = -1;  ///< The process, to be polled.
+    ChildProcess process_;
     std::chrono::steady_clock::time_point deadline_;
     std::optional<Expected<UsbResetOutcome>> outcome_;
 };

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/sensor_process/child_process.h"
+#include "hal/child_process.h"
 #include "hal/sensor_process/process_camera.h"
 #include "hal/sim/world.h"
 #include "tests/hal/replay/recording_folder.h"

@@ -1,4 +1,4 @@
-#include "hal/sensor_process/child_process.h"
+#include "hal/child_process.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -20,7 +20,6 @@ namespace cheval::hal {
 namespace {
 
 constexpr int kFirstDescriptor = 3;
-constexpr Duration kDeathLimit = std::chrono::seconds(1);
 
 /// Children that the kernel had not ended within the limit, e.g. in a driver's uninterruptible wait.
 class Unreaped {
@@ -78,8 +77,12 @@ bool readable(int descriptor, Duration limit) {
 
 }  // namespace
 
-Expected<ChildProcess> ChildProcess::start(const Start& start) {
+void ChildProcess::reapAbandoned() {
     unreaped().reap();
+}
+
+Expected<ChildProcess> ChildProcess::start(const Start& start) {
+    reapAbandoned();
     std::vector<std::string> arguments = {start.program};
     arguments.insert(arguments.end(), start.arguments.begin(), start.arguments.end());
     std::vector<std::string> environment = environmentWith(start.environment);
@@ -128,7 +131,8 @@ Expected<ChildProcess> ChildProcess::start(const Start& start) {
 ChildProcess::ChildProcess(ChildProcess&& other) noexcept
     : pid_(std::exchange(other.pid_, -1)),
       descriptor_(std::move(other.descriptor_)),
-      ending_(std::move(other.ending_)) {}
+      ending_(std::move(other.ending_)),
+      exitStatus_(other.exitStatus_) {}
 
 ChildProcess& ChildProcess::operator=(ChildProcess&& other) noexcept {
     if (this != &other) {
@@ -136,6 +140,7 @@ ChildProcess& ChildProcess::operator=(ChildProcess&& other) noexcept {
         pid_ = std::exchange(other.pid_, -1);
         descriptor_ = std::move(other.descriptor_);
         ending_ = std::move(other.ending_);
+        exitStatus_ = other.exitStatus_;
     }
     return *this;
 }
@@ -146,6 +151,7 @@ bool ChildProcess::running() {
     const pid_t ended = ::waitpid(pid_, &status, WNOHANG);
     if (ended == 0) return true;
     ending_ = ended == pid_ ? endingOf(status) : "is gone";
+    if (ended == pid_ && WIFEXITED(status)) exitStatus_ = WEXITSTATUS(status);
     pid_ = -1;
     descriptor_.reset();
     return false;
@@ -157,13 +163,14 @@ bool ChildProcess::waitEnd(Duration limit) {
     return !running();
 }
 
-void ChildProcess::kill() {
-    if (!running()) return;
+bool ChildProcess::kill(Duration limit) {
+    if (!running()) return true;
     ::kill(pid_, SIGKILL);
-    if (waitEnd(kDeathLimit)) return;
+    if (waitEnd(limit)) return true;
     unreaped().add(std::exchange(pid_, -1));
     descriptor_.reset();
     ending_ = "does not end";
+    return false;
 }
 
 }  // namespace cheval::hal

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <sys/types.h>
 
 #include "hal/clock.h"
+#include "hal/descriptor.h"
 #include "hal/expected.h"
-#include "hal/sensor_process/frame_ring.h"
 
 namespace cheval::hal {
 
@@ -24,6 +25,8 @@ class ChildProcess {
 
     /// Errors: notFound (no such program), resource.
     static Expected<ChildProcess> start(const Start& start);
+    /// Reaps those that kill() could not end, where they have ended since. start() does it too. Any thread.
+    static void reapAbandoned();
     ~ChildProcess() { kill(); }
     ChildProcess(ChildProcess&& other) noexcept;
     ChildProcess& operator=(ChildProcess&& other) noexcept;
@@ -35,12 +38,14 @@ class ChildProcess {
     [[nodiscard]] int descriptor() const { return descriptor_.get(); }
     /// True while it runs. Reaps it when it has ended.
     bool running();
-    /// How it ended, in words, e.g. "was killed by signal 9"; empty while it runs.
+    /// What it exited with; −1 while it runs, and where it did not exit by itself.
+    [[nodiscard]] int exitStatus() const { return exitStatus_; }
+    /// How it ended, in words, e.g. "was ended by signal 9"; empty while it runs.
     [[nodiscard]] const std::string& ending() const { return ending_; }
     /// Waits at most `limit` for it to end by itself.
     bool waitEnd(Duration limit);
-    /// SIGKILL, and at most a second until it is gone; one that the kernel cannot end yet is reaped later.
-    void kill();
+    /// SIGKILL, and at most `limit` until it is gone. False: the kernel cannot end it yet; it is reaped later.
+    bool kill(Duration limit = std::chrono::seconds(1));
 
   private:
     ChildProcess(pid_t pid, Descriptor descriptor) : pid_(pid), descriptor_(std::move(descriptor)) {}
@@ -48,6 +53,7 @@ class ChildProcess {
     pid_t pid_ = -1;
     Descriptor descriptor_;
     std::string ending_;
+    int exitStatus_ = -1;
 };
 
 }  // namespace cheval::hal
