@@ -90,8 +90,9 @@ std::string problemText(const sdbus::Error& error, config::BusKind kind) {
         return std::string("the ") + std::string(busName(kind)) + " does not let this account own " + kName +
                ". Mend: install org.cheval.Mirror1.conf and run the mirror as the user cheval; it is tried again";
     }
-    return "the " + std::string(busName(kind)) + " cannot be reached: " + cleanText(error.getMessage()) +
-           ". Mend: see that dbus runs, or set bus.kind; it is tried again";
+    // Without what the system says: that changes from one try to the next, and the trouble is one and the same.
+    return "the " + std::string(busName(kind)) +
+           " cannot be reached. Mend: see that dbus runs, or set bus.kind; it is tried again";
 }
 
 }  // namespace
@@ -121,7 +122,7 @@ struct ControlBus::Core {
         return snapshot ? T(get(*snapshot)) : T();
     }
 
-    void settle(FirstTry outcome, std::string trouble) {
+    void settle(FirstTry outcome, const std::string& trouble, const std::string& detail = {}) {
         const bool wasNew = [&] {
             const std::lock_guard lock(mutex);
             if (firstTry == FirstTry::pending) firstTry = outcome;
@@ -133,7 +134,7 @@ struct ControlBus::Core {
         if (trouble.empty()) {
             log(Severity::notice, std::string(kName) + " is on the " + std::string(busName(options.kind)));
         } else {
-            log(Severity::warning, trouble);
+            log(Severity::warning, trouble + (detail.empty() ? "" : ". Why: " + detail));
         }
     }
 
@@ -324,7 +325,7 @@ void ControlBus::serve(const std::shared_ptr<Core>& core) {
         } catch (const sdbus::Error& error) {
             const bool taken = nameTaken(error);
             core->settle(taken ? Core::FirstTry::taken : Core::FirstTry::settled,
-                         problemText(error, core->options.kind));
+                         problemText(error, core->options.kind), cleanText(error.getMessage()));
         }
         core->clock.waitUntil(core->clock.now() + pause, core->stopping);
         pause = std::min(pause * 2, core->options.longestPause);

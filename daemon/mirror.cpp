@@ -212,8 +212,8 @@ Expected<StepResult> Mirror::step(const std::function<bool(const hal::DepthFrame
         packets_.publish();
         packets_.take();
         Expected<hal::Duration> shown = pictures_->show(packets_.front());
-        if (!shown) return std::move(shown).error();
         afterPicture(shown);
+        if (!shown) return std::move(shown).error();
     }
     if (haveFrame) return StepResult::frame;
     return supervisor_.state() == CameraState::ended ? StepResult::ended : StepResult::none;

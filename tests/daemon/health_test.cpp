@@ -154,7 +154,7 @@ INSTANTIATE_TEST_SUITE_P(
              "none", HealthState::ok},
         Case{"BusOutOfReachIsDegraded", "bus", [](HealthInput& input) { input.busProblem = "no bus there"; },
              HealthState::degraded, "no bus there", HealthState::degraded}),
-    [](const testing::TestParamInfo<Case>& info) { return info.param.name; });
+    [](const testing::TestParamInfo<Case>& row) { return row.param.name; });
 
 TEST_F(HealthTest, SinceStaysWhileStateAndReasonDo) {
     turn();
