@@ -12,7 +12,9 @@ constexpr std::string_view kReplacement = "\xEF\xBF\xBD";
 
 /// Bytes of the character at the front of `text`; 0 where there is no whole, shortest, legal one.
 std::size_t characterLength(std::string_view text) {
-    const auto byte = [&text](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])); };
+    const auto byte = [&text](std::size_t i) {
+        return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i]));
+    };
     const std::uint32_t first = byte(0);
     if (first < 0x80) return 1;
     const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;

@@ -38,6 +38,7 @@ std::uint64_t microseconds(hal::Duration duration) {
 
 std::vector<HealthRow> healthRows(const std::vector<PartHealth>& parts) {
     std::vector<HealthRow> rows;
+    rows.reserve(parts.size());
     for (const PartHealth& part : parts) {
         rows.emplace_back(std::string(part.part), std::string(name(part.state)), cleanText(part.reason),
                           microseconds(part.sinceWall.time_since_epoch()), microseconds(part.since.time_since_epoch()));
@@ -47,6 +48,7 @@ std::vector<HealthRow> healthRows(const std::vector<PartHealth>& parts) {
 
 std::vector<TaskRow> taskRows(const std::vector<TaskStatistics>& tasks) {
     std::vector<TaskRow> rows;
+    rows.reserve(tasks.size());
     for (const TaskStatistics& task : tasks) {
         const std::uint64_t whole = task.name.ends_with("whole frame") ? 1 : 0;
         rows.emplace_back(std::string(task.name), microseconds(task.budget), microseconds(task.minimum),
@@ -189,12 +191,10 @@ class ControlBus::Connected {
         using Snapshot = ControlSnapshot;
         using Number = std::uint64_t;
         using Text = std::string;
-        object_->registerProperty("State")
-            .onInterface(kInterface)
-            .withGetter([this]() -> Text {
-                const std::lock_guard lock(core_.mutex);
-                return stateOf(core_.snapshot);
-            });
+        object_->registerProperty("State").onInterface(kInterface).withGetter([this]() -> Text {
+            const std::lock_guard lock(core_.mutex);
+            return stateOf(core_.snapshot);
+        });
         property<Text>("Outfit", true, outfitId);
         property<std::vector<OutfitRow>>("Outfits", false, [](const Snapshot& snapshot) {
             std::vector<OutfitRow> rows;
@@ -266,8 +266,8 @@ class ControlBus::Connected {
             std::string known;
             for (const ControlSnapshot::Outfit& outfit : outfits)
                 known += (known.empty() ? "" : ", ") + cleanText(outfit.id);
-            throw sdbus::Error(kUnknownOutfit, "there is no outfit \"" + cleanText(wanted) + "\"; there are: " +
-                                                   (known.empty() ? "none" : known));
+            throw sdbus::Error(kUnknownOutfit, "there is no outfit \"" + cleanText(wanted) +
+                                                   "\"; there are: " + (known.empty() ? "none" : known));
         }();
         core_.ask({.kind = RemoteCommand::Kind::choose, .outfit = index});
     }
@@ -347,11 +347,11 @@ Expected<std::unique_ptr<ControlBus>> ControlBus::start(const ControlBusOptions&
     core.changed.wait_for(lock, options.startLimit, [&] { return core.firstTry != Core::FirstTry::pending; });
     if (core.firstTry == Core::FirstTry::taken) {
         lock.unlock();
-        return Error{.code = ErrorCode::unavailable,
-                     .cause = std::string("another mirror owns ") + kName + " on the " +
-                              std::string(busName(options.kind)),
-                     .mend = "end it first (systemctl stop cheval), or set bus.kind to another bus or to \"none\"",
-                     .why = "two would fight over the sensor, the display and the buttons"};
+        return Error{
+            .code = ErrorCode::unavailable,
+            .cause = std::string("another mirror owns ") + kName + " on the " + std::string(busName(options.kind)),
+            .mend = "end it first (systemctl stop cheval), or set bus.kind to another bus or to \"none\"",
+            .why = "two would fight over the sensor, the display and the buttons"};
     }
     return bus;
 }

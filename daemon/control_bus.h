@@ -1,5 +1,5 @@
-// org.cheval.Mirror1 on D-Bus: what the mirror is doing and how it is, and what technicians may ask of it. The interface
-// is written down in mirror_interface.h.
+// org.cheval.Mirror1 on D-Bus: what the mirror is doing and how it is, and what technicians may ask of it. The
+// interface is written down in mirror_interface.h.
 #pragma once
 
 #include <cstdint>
@@ -37,8 +37,8 @@ struct ControlSnapshot {
 struct ControlBusOptions {
     config::BusKind kind = config::BusKind::system;
     std::string version;
-    std::shared_ptr<RemoteCommands> commands;  ///< Where wishes go.
-    std::function<void()> reload;              ///< Called in the bus's thread; must not wait.
+    std::shared_ptr<RemoteCommands> commands;                   ///< Where wishes go.
+    std::function<void()> reload;                               ///< Called in the bus's thread; must not wait.
     hal::Duration firstPause = std::chrono::milliseconds(500);  ///< Before the bus is tried again; doubles …
     hal::Duration longestPause = std::chrono::seconds(30);      ///< … up to this; a bus that answers sets it back.
     hal::Duration startLimit = std::chrono::seconds(2);         ///< How long start() waits for the first try.

@@ -50,9 +50,8 @@ ControlCommands::ControlCommands(CLI::App& app) {
     status_ = app.add_subcommand("status", "Say how the running mirror is doing, part by part")->fallthrough();
     status_->footer("Exit status: 0 nothing is at fault; 1 the mirror cannot be reached; 4 some part is at fault.");
     status_->add_flag("--json", json_, "As JSON, for programs");
-    outfit_ = app.add_subcommand("outfit", "Change the clothes of the running mirror")
-                  ->require_subcommand(1)
-                  ->fallthrough();
+    outfit_ =
+        app.add_subcommand("outfit", "Change the clothes of the running mirror")->require_subcommand(1)->fallthrough();
     next_ = outfit_->add_subcommand("next", "The next outfit")->fallthrough();
     previous_ = outfit_->add_subcommand("previous", "The previous outfit")->fallthrough();
     set_ = outfit_->add_subcommand("set", "This outfit")->fallthrough();

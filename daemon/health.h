@@ -32,7 +32,7 @@ using WallTime = std::chrono::system_clock::time_point;
 struct PartHealth {
     std::string_view part;  ///< "sensor", "display", "buttons", "wardrobe", "settings", "loop" or "bus".
     HealthState state = HealthState::ok;
-    std::string reason;     ///< For people, with a mend where there is one; empty where there is nothing to say.
+    std::string reason;      ///< For people, with a mend where there is one; empty where there is nothing to say.
     hal::TimePoint since{};  ///< When state and reason became what they are, on the program's clock …
     WallTime sinceWall;      ///< … and by the calendar, as it stood then.
 };
@@ -40,11 +40,11 @@ struct PartHealth {
 /// What is judged. Texts are for people already.
 struct HealthInput {
     MirrorStatus mirror;
-    double framesPerSecond = 30.0;  ///< As the settings ask for.
-    bool haveDisplay = true;        ///< False: headless on purpose.
-    bool haveButtons = true;        ///< False: none are configured.
-    bool haveBody = true;           ///< A mannequin was loaded.
-    std::size_t outfits = 1;        ///< Loaded.
+    double framesPerSecond = 30.0;      ///< As the settings ask for.
+    bool haveDisplay = true;            ///< False: headless on purpose.
+    bool haveButtons = true;            ///< False: none are configured.
+    bool haveBody = true;               ///< A mannequin was loaded.
+    std::size_t outfits = 1;            ///< Loaded.
     std::vector<std::string> refusals;  ///< Of the wardrobe.
     std::string settingsProblem;        ///< Empty: the settings are good.
     bool busWanted = true;              ///< False: bus.kind is "none".

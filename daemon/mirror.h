@@ -30,9 +30,9 @@ struct MirrorParts {
     CameraFactory camera;
     std::vector<hal::Buttons*> buttons;
     RemoteCommands* commands = nullptr;  ///< What other programs ask for; null: none can.
-    hal::Display* display = nullptr;  ///< Open.
-    hal::DisplayMode mode;            ///< As the display said when it was opened.
-    hal::Clock* clock = nullptr;      ///< Drives frames and dwell times.
+    hal::Display* display = nullptr;     ///< Open.
+    hal::DisplayMode mode;               ///< As the display said when it was opened.
+    hal::Clock* clock = nullptr;         ///< Drives frames and dwell times.
     /// Decides what still fits into a frame; null: `clock`. One that stands still sheds nothing.
     const hal::Clock* admission = nullptr;
     const hal::Clock* cost = nullptr;    ///< Measures what tasks take.

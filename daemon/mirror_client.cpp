@@ -28,8 +28,9 @@ Error explain(const sdbus::Error& error, config::BusKind bus, bool connected) {
     const std::string where = bus == config::BusKind::session ? "session bus" : "system bus";
     const std::string& name = error.getName();
     const auto isOneOf = [&name](std::initializer_list<std::string_view> names) {
-        return std::any_of(names.begin(), names.end(),
-                           [&](std::string_view one) { return name == "org.freedesktop.DBus.Error." + std::string(one); });
+        return std::any_of(names.begin(), names.end(), [&](std::string_view one) {
+            return name == "org.freedesktop.DBus.Error." + std::string(one);
+        });
     };
     if (!connected) {
         return {.code = ErrorCode::unavailable,
@@ -43,8 +44,9 @@ Error explain(const sdbus::Error& error, config::BusKind bus, bool connected) {
     if (isOneOf({"ServiceUnknown", "NameHasNoOwner"})) {
         return {.code = ErrorCode::unavailable,
                 .cause = "no mirror is running on the " + where,
-                .mend = "start it (systemctl start cheval), read why it ended (journalctl -u cheval), or ask another "
-                        "bus with --bus",
+                .mend =
+                    "start it (systemctl start cheval), read why it ended (journalctl -u cheval), or ask another "
+                    "bus with --bus",
                 .why = std::string("nobody owns ") + kName};
     }
     if (isOneOf({"AccessDenied", "AuthFailed"})) {

@@ -25,12 +25,12 @@ Expected<std::unique_ptr<ServiceControl>> ServiceControl::begin(const config::Se
 Expected<void> ServiceControl::startBus(config::BusKind kind) {
     kind_ = kind;
     busProblem_.clear();
-    Expected<std::unique_ptr<ControlBus>> bus = ControlBus::start(
-        {.kind = kind,
-         .version = CHEVAL_VERSION,
-         .commands = commands_,
-         // To the process: every thread blocks it, and the main one waits for it.
-         .reload = [] { kill(getpid(), SIGHUP); }});
+    Expected<std::unique_ptr<ControlBus>> bus =
+        ControlBus::start({.kind = kind,
+                           .version = CHEVAL_VERSION,
+                           .commands = commands_,
+                           // To the process: every thread blocks it, and the main one waits for it.
+                           .reload = [] { kill(getpid(), SIGHUP); }});
     if (!bus) {
         busProblem_ = serviceText(bus.error());
         return std::move(bus).error();

@@ -38,9 +38,8 @@ std::string trimmed(std::string line) {
 
 std::string whatItDoes(const MirrorReport& report) {
     std::string text = report.state;
-    const auto chosen =
-        std::find_if(report.outfits.begin(), report.outfits.end(),
-                     [&](const MirrorReport::Outfit& outfit) { return outfit.id == report.outfit; });
+    const auto chosen = std::find_if(report.outfits.begin(), report.outfits.end(),
+                                     [&](const MirrorReport::Outfit& outfit) { return outfit.id == report.outfit; });
     if (chosen != report.outfits.end()) text += fmt::format(", {} ({})", chosen->name, chosen->id);
     if (!report.view.empty()) text += report.view == "avatar" ? ", on the mannequin" : ", in the mirror";
     return text;
@@ -90,8 +89,8 @@ std::string statusForPeople(const MirrorReport& report, bool colour) {
 
     if (!report.tasks.empty()) {
         text += "\nTasks";
-        text += fmt::format("{:>29}{:>10}{:>10}{:>10}{:>10}{:>8}\n", "budget", "mean", "p99", "overruns", "skips",
-                            "runs");
+        text +=
+            fmt::format("{:>29}{:>10}{:>10}{:>10}{:>10}{:>8}\n", "budget", "mean", "p99", "overruns", "skips", "runs");
     }
     for (const MirrorReport::Task& task : report.tasks) {
         std::string line = fmt::format("  {:<24}{:>5.1f} ms", task.name, milliseconds(task.budget));

@@ -1,8 +1,8 @@
 #include "daemon/clean_text.h"
 
-#include <gtest/gtest.h>
-
 #include <string>
+
+#include <gtest/gtest.h>
 
 namespace cheval::daemon {
 namespace {

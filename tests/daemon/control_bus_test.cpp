@@ -1,8 +1,5 @@
 #include "daemon/control_bus.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -11,6 +8,9 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "daemon/mirror_client.h"
 #include "daemon/mirror_interface.h"
@@ -45,23 +45,23 @@ class ControlBusTest : public testing::Test {
         return control ? std::move(*control) : nullptr;
     }
     static ControlSnapshot snapshot() {
-        ControlSnapshot snapshot{.outfits = {{.id = "tshirt", .name = "T-shirt"},
-                                             {.id = "tshirt+trousers", .name = "T-shirt + Trousers"}},
-                                 .health = {{.part = "sensor", .state = HealthState::ok},
-                                            {.part = "buttons",
-                                             .state = HealthState::fault,
-                                             .reason = "caf\xE9\n",
-                                             .since = hal::TimePoint(std::chrono::seconds(5)),
-                                             .sinceWall = WallTime(std::chrono::seconds(1'000'000'000))}},
-                                 .tasks = {{.name = "draw",
-                                            .budget = milliseconds(18),
-                                            .runs = 7,
-                                            .skips = 1,
-                                            .overruns = 2,
-                                            .mean = std::chrono::microseconds(1500)},
-                                           {.name = "renderer, whole frame", .runs = 7}},
-                                 .recovery = {{"reopen device", 3}},
-                                 .renderer = "a renderer"};
+        ControlSnapshot snapshot{
+            .outfits = {{.id = "tshirt", .name = "T-shirt"}, {.id = "tshirt+trousers", .name = "T-shirt + Trousers"}},
+            .health = {{.part = "sensor", .state = HealthState::ok},
+                       {.part = "buttons",
+                        .state = HealthState::fault,
+                        .reason = "caf\xE9\n",
+                        .since = hal::TimePoint(std::chrono::seconds(5)),
+                        .sinceWall = WallTime(std::chrono::seconds(1'000'000'000))}},
+            .tasks = {{.name = "draw",
+                       .budget = milliseconds(18),
+                       .runs = 7,
+                       .skips = 1,
+                       .overruns = 2,
+                       .mean = std::chrono::microseconds(1500)},
+                      {.name = "renderer, whole frame", .runs = 7}},
+            .recovery = {{"reopen device", 3}},
+            .renderer = "a renderer"};
         snapshot.mirror.state = SessionState::wearing;
         snapshot.mirror.outfitIndex = 1;
         snapshot.mirror.avatarView = true;
@@ -206,10 +206,12 @@ TEST_F(ControlBusTest, AFloodIsBoundedToldAndSurvived) {
     int done = 0;
     int busy = 0;
     for (int i = 0; i < kCalls; ++i) {
-        mirror->callMethodAsync("NextOutfit").onInterface(mirror1::kInterface).uponReplyInvoke([&](const sdbus::Error* error) {
-            ++done;
-            if (error != nullptr && error->getName() == mirror1::kBusy) ++busy;
-        });
+        mirror->callMethodAsync("NextOutfit")
+            .onInterface(mirror1::kInterface)
+            .uponReplyInvoke([&](const sdbus::Error* error) {
+                ++done;
+                if (error != nullptr && error->getName() == mirror1::kBusy) ++busy;
+            });
     }
     EXPECT_TRUE(eventually([&] {
         while (connection->processPendingRequest()) {

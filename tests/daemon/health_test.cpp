@@ -1,11 +1,11 @@
 #include "daemon/health.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <functional>
 #include <string>
 #include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "daemon/degrade_ladder.h"
 
@@ -114,17 +114,16 @@ INSTANTIATE_TEST_SUITE_P(
                  input.mirror.fault.assign("the recording \"x\" is over");
              },
              HealthState::degraded, "is over", HealthState::degraded},
-        Case{"HeadlessIsAbsentByDesignAndAllIsWell", "display",
-             [](HealthInput& input) { input.haveDisplay = false; }, HealthState::absent, "headless", HealthState::ok},
+        Case{"HeadlessIsAbsentByDesignAndAllIsWell", "display", [](HealthInput& input) { input.haveDisplay = false; },
+             HealthState::absent, "headless", HealthState::ok},
         Case{"DisplayThatShowsNothingIsAtFaultEvenHeadless", "display",
              [](HealthInput& input) {
                  input.haveDisplay = false;
                  input.mirror.displayFault.assign("the display lends no buffer");
              },
              HealthState::fault, "lends no buffer", HealthState::fault},
-        Case{"NoButtonsAreAbsentByDesignAndAllIsWell", "buttons",
-             [](HealthInput& input) { input.haveButtons = false; }, HealthState::absent, "none are configured",
-             HealthState::ok},
+        Case{"NoButtonsAreAbsentByDesignAndAllIsWell", "buttons", [](HealthInput& input) { input.haveButtons = false; },
+             HealthState::absent, "none are configured", HealthState::ok},
         Case{"ButtonsThatCannotBeReadAreAtFault", "buttons",
              [](HealthInput& input) { input.mirror.buttonsFault.assign("the chip is gone"); }, HealthState::fault,
              "the chip is gone", HealthState::fault},

@@ -1,14 +1,13 @@
 #include "daemon/instance_lock.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <array>
 #include <csignal>
 #include <cstdlib>
 #include <optional>
 #include <string>
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,11 +21,11 @@ using testing::HasSubstr;
 
 class InstanceLockTest : public testing::Test {
   protected:
-    InstanceLockTest() {
+    void SetUp() override {
         unsetenv("RUNTIME_DIRECTORY");
         setenv("XDG_RUNTIME_DIR", folder_.path().c_str(), 1);
     }
-    ~InstanceLockTest() override {
+    void TearDown() override {
         unsetenv("RUNTIME_DIRECTORY");
         unsetenv("XDG_RUNTIME_DIR");
     }

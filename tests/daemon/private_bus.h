@@ -48,10 +48,10 @@ class PrivateBus {
 
     void start() {
         const std::string address = "--address=unix:path=" + path_;
-        std::array<const char*, 6> arguments{"dbus-daemon", "--session", "--nofork", "--nopidfile", address.c_str(),
-                                             nullptr};
-        ASSERT_EQ(posix_spawnp(&process_, arguments[0], nullptr, nullptr, const_cast<char**>(arguments.data()), environ),
-                  0)
+        std::array<const char*, 6> arguments{"dbus-daemon", "--session",     "--nofork",
+                                             "--nopidfile", address.c_str(), nullptr};
+        ASSERT_EQ(
+            posix_spawnp(&process_, arguments[0], nullptr, nullptr, const_cast<char**>(arguments.data()), environ), 0)
             << "dbus-daemon is not installed";
         ASSERT_TRUE(eventually([this] { return answers(); }));
     }

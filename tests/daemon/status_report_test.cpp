@@ -1,10 +1,9 @@
 #include "daemon/status_report.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <string>
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 namespace cheval::daemon {
@@ -55,8 +54,10 @@ TEST(StatusForPeople, SaysEachThingOnALineOfItsOwn) {
     EXPECT_THAT(text, HasSubstr("  pictures  29.9 a second, all details\n"));
     EXPECT_THAT(text, HasSubstr("  sensor    ok                just now\n"));
     EXPECT_THAT(text, HasSubstr("  buttons   at fault          12 min ago      the chip is gone\n"));
-    EXPECT_THAT(text, HasSubstr("  draw                     18.0 ms   9.00 ms  12.00 ms         4         5     100\n"));
-    EXPECT_THAT(text, HasSubstr("  layering                  3.0 ms         -         -         0         0       0\n"));
+    EXPECT_THAT(text,
+                HasSubstr("  draw                     18.0 ms   9.00 ms  12.00 ms         4         5     100\n"));
+    EXPECT_THAT(text,
+                HasSubstr("  layering                  3.0 ms         -         -         0         0       0\n"));
     EXPECT_THAT(text, HasSubstr("  reopen device                  2\n"));
     EXPECT_THAT(text, Not(HasSubstr("\033"))) << "colour is for terminals";
 }
