@@ -51,13 +51,29 @@ void HealthBoard::tell(std::string_view part, Verdict verdict) {
            .sinceWall = wall_()};
 }
 
+bool HealthBoard::Pulse::standsStill(std::uint64_t now, hal::TimePoint time) {
+    if (!moved || now != count) moved = time;
+    count = now;
+    return time - *moved >= kHangs;
+}
+
+HealthBoard::Verdict HealthBoard::judgeDisplay(const HealthInput& input) {
+    const bool still = pictures_.standsStill(input.mirror.pictures, clock_.now());
+    if (input.mirror.displayFault.length > 0)
+        return {HealthState::fault, std::string(input.mirror.displayFault.view())};
+    if (still) {
+        return {HealthState::fault,
+                "the picture stands still: the renderer or the display hangs. Mend: it is restarted; if it comes back, "
+                "send the journal"};
+    }
+    if (!input.haveDisplay) return {HealthState::absent, "display.kind is \"headless\""};
+    return {};
+}
+
 HealthBoard::Verdict HealthBoard::judgeLoop(const HealthInput& input) {
     const MirrorStatus& mirror = input.mirror;
     const hal::TimePoint now = clock_.now();
-    // A mirror that is lit anew counts from zero: any other count is a turn.
-    if (!turned_ || mirror.turns != turns_) turned_ = now;
-    turns_ = mirror.turns;
-    if (now - *turned_ >= kHangs)
+    if (turns_.standsStill(mirror.turns, now))
         return {HealthState::fault, "the frame loop hangs. Mend: it is restarted; if it comes back, send the journal"};
 
     // Without frames the last picture is shown four times a second, and that is as it should be.
@@ -108,13 +124,7 @@ const std::vector<PartHealth>& HealthBoard::update(const HealthInput& input) {
     }
     tell("sensor", std::move(sensor));
 
-    Verdict display;
-    if (mirror.displayFault.length > 0) {
-        display = {HealthState::fault, std::string(mirror.displayFault.view())};
-    } else if (!input.haveDisplay) {
-        display = {HealthState::absent, "display.kind is \"headless\""};
-    }
-    tell("display", std::move(display));
+    tell("display", judgeDisplay(input));
 
     Verdict buttons;
     if (mirror.buttonsFault.length > 0) {

@@ -55,7 +55,8 @@ struct HealthInput {
 class HealthBoard {
   public:
     using WallClock = std::function<WallTime()>;
-    /// The loop hangs when it has not turned for this long; it turns ten times a second even without a sensor.
+    /// The loop and the renderer hang when they have not turned for this long; even without a sensor the one turns ten
+    /// times a second and the other four.
     static constexpr hal::Duration kHangs = std::chrono::seconds(3);
     /// Fewer pictures than asked for must last this long to count.
     static constexpr hal::Duration kSlow = std::chrono::seconds(5);
@@ -72,14 +73,23 @@ class HealthBoard {
         std::string reason;
     };
 
+    /// A count that should rise.
+    struct Pulse {
+        std::uint64_t count = 0;
+        std::optional<hal::TimePoint> moved;
+        /// Any other count is a move: a mirror that is lit anew counts from zero.
+        bool standsStill(std::uint64_t now, hal::TimePoint time);
+    };
+
     Verdict judgeLoop(const HealthInput& input);
+    Verdict judgeDisplay(const HealthInput& input);
     void tell(std::string_view part, Verdict verdict);
 
     const hal::Clock& clock_;
     WallClock wall_;
     std::vector<PartHealth> parts_;
-    std::uint64_t turns_ = 0;
-    std::optional<hal::TimePoint> turned_;     ///< When the count of turns last moved.
+    Pulse turns_;
+    Pulse pictures_;
     std::optional<hal::TimePoint> slowSince_;  ///< Since when there are too few pictures.
     bool slow_ = false;
 };

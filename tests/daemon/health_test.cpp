@@ -37,6 +37,7 @@ class HealthTest : public testing::Test {
     }
     void turn() {
         ++input_.mirror.turns;
+        ++input_.mirror.pictures;
         board_.update(input_);
     }
     /// Time passes with the loop turning.
@@ -185,19 +186,33 @@ TEST_F(HealthTest, ACalendarThatIsSetRightDoesNotMoveWhatWasWrittenDown) {
 TEST_F(HealthTest, ALoopThatDoesNotTurnIsAtFaultAndOneThatDoesIsNot) {
     turn();
     clock_.advance(HealthBoard::kHangs - milliseconds(1));
-    board_.update(input_);
-    EXPECT_EQ(overall(board_.parts()), HealthState::ok);
+    ++input_.mirror.pictures;
+    EXPECT_EQ(overall(board_.update(input_)), HealthState::ok);
     clock_.advance(milliseconds(1));
-    board_.update(input_);
-    EXPECT_EQ(overall(board_.parts()), HealthState::fault);
+    ++input_.mirror.pictures;
+    EXPECT_EQ(overall(board_.update(input_)), HealthState::fault);
     EXPECT_EQ(part("loop").state, HealthState::ok) << "it turned again";
+}
+
+TEST_F(HealthTest, APictureThatStandsStillIsAFaultOfTheDisplayEvenHeadless) {
+    input_.haveDisplay = false;
+    turn();
+    clock_.advance(HealthBoard::kHangs);
+    ++input_.mirror.turns;
+    EXPECT_EQ(overall(board_.update(input_)), HealthState::fault);
+    EXPECT_EQ(board_.parts()[1].part, "display");
+    EXPECT_EQ(board_.parts()[1].state, HealthState::fault);
+    EXPECT_THAT(board_.parts()[1].reason, HasSubstr("stands still"));
+    EXPECT_EQ(part("display").state, HealthState::absent) << "it moves again";
 }
 
 TEST_F(HealthTest, AMirrorThatIsLitAnewDoesNotHang) {
     input_.mirror.turns = 5000;
+    input_.mirror.pictures = 5000;
     turn();
     clock_.advance(HealthBoard::kHangs);
     input_.mirror.turns = 0;
+    input_.mirror.pictures = 0;
     EXPECT_EQ(part("loop").state, HealthState::ok);
 }
 
