@@ -14,6 +14,7 @@ enum class DisplayKind : std::uint8_t { headless, preview };
 enum class HighestRung : std::uint8_t { retry, stream, device, process, usb, power, daemon, machine };
 enum class SwipeMeaning : std::uint8_t { carousel, arrow };
 enum class RenderContext : std::uint8_t { automatic, egl, osmesa };
+enum class BusKind : std::uint8_t { system, session, none };
 enum class StartView : std::uint8_t { mirror, avatar };
 
 /// Settings of the whole program, one nested struct a section, e.g. `settings.sensor.heightMm`. A default-made one

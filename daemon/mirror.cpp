@@ -162,6 +162,7 @@ void Mirror::turn(bool haveFrame, FramePacket& packet) {
                                                  .time = haveFrame ? frame_.captureTime : now,
                                                  .started = parts_.admission->now(),
                                                  .buttons = parts_.buttons,
+                                                 .commands = parts_.commands,
                                                  .fault = shownFault(),
                                                  .notice = notice.view(),
                                                  .showNotice = notice.length > 0 && now < noticeUntil_,
@@ -184,21 +185,29 @@ void Mirror::afterLoop(hal::Duration taken, bool haveFrame) {
     std::string_view outfit;
     if (session.outfit() < parts_.wardrobe->outfits.size()) outfit = parts_.wardrobe->outfits[session.outfit()].name;
     status_.outfit.assign(outfit);
+    status_.outfitIndex = session.outfit();
     status_.camera = supervisor_.state();
     status_.fault.assign(faultText_);
     status_.recovery = supervisor_.recovery().counts();
     status_.openings = supervisor_.openings();
+    status_.buttonsFault.assign(chain_->buttonsFault());
     status_.avatarView = session.avatarView();
     status_.visits = session.visits();
     status_.loopTime = taken;
     status_.degradeLevel = ladder_.level();
     status_.degradeName = ladder_.rung().name;
+    ++status_.turns;
     if (haveFrame) ++status_.frames;
     loopRowCount_ = copyRows(chain_->scheduler(), "loop, whole frame", loopRows_);
 }
 
 void Mirror::afterPicture(const Expected<hal::Duration>& shown) {
-    if (!shown) return;
+    if (!shown) {
+        const std::string fault = serviceText(shown.error());
+        const std::lock_guard lock(shared_);
+        status_.displayFault.assign(fault);
+        return;
+    }
     renderTime_.store(shown.value().count(), std::memory_order_relaxed);
     const hal::TimePoint now = parts_.cost->now();
     const double gap = hal::seconds(now - lastRate_);
@@ -207,6 +216,7 @@ void Mirror::afterPicture(const Expected<hal::Duration>& shown) {
     if (gap > 0.0) rate_ = picturesShown_ == 0 ? 0.0 : rate_ + 0.1 * (1.0 / gap - rate_);
     const std::lock_guard lock(shared_);
     status_.renderTime = shown.value();
+    status_.displayFault.assign("");
     status_.pictures = ++picturesShown_;
     status_.framesPerSecond = rate_;
     renderRowCount_ = copyRows(pictures_->scheduler(), "renderer, whole frame", renderRows_);
@@ -227,8 +237,8 @@ Expected<StepResult> Mirror::step(const std::function<bool(const hal::DepthFrame
         packets_.publish();
         packets_.take();
         Expected<hal::Duration> shown = pictures_->show(packets_.front());
-        if (!shown) return std::move(shown).error();
         afterPicture(shown);
+        if (!shown) return std::move(shown).error();
     }
     if (haveFrame) return StepResult::frame;
     return supervisor_.state() == CameraState::ended ? StepResult::ended : StepResult::none;

@@ -30,6 +30,7 @@ namespace cheval::daemon {
 struct MirrorParts {
     CameraFactory camera;
     std::vector<hal::Buttons*> buttons;
+    RemoteCommands* commands = nullptr;    ///< What other programs ask for; null: none can.
     RecoveryHardware* hardware = nullptr;  ///< For a sensor that nothing else brings back; may be null.
     hal::Display* display = nullptr;       ///< Open.
     hal::DisplayMode mode;                 ///< As the display said when it was opened.
@@ -46,14 +47,18 @@ struct MirrorParts {
 struct MirrorStatus {
     SessionState state = SessionState::idle;
     render::FixedText<96> outfit;
+    std::size_t outfitIndex = 0;  ///< Among the wardrobe's outfits.
     CameraState camera = CameraState::closed;
     render::FixedText<512> fault;
+    render::FixedText<256> buttonsFault;  ///< Why the buttons cannot be read; empty while they can.
+    render::FixedText<512> displayFault;  ///< Why the last picture was not shown; empty where it was.
     bool avatarView = false;
     double framesPerSecond = 0.0;
     hal::Duration loopTime{};    ///< Of the last frame.
     hal::Duration renderTime{};  ///< Of the last picture.
     std::size_t degradeLevel = 0;
     std::string_view degradeName;
+    std::uint64_t turns = 0;  ///< Of the loop, with or without a frame: stands still only where the loop hangs.
     std::uint64_t frames = 0;
     std::uint64_t pictures = 0;
     std::uint64_t visits = 0;
