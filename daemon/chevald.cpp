@@ -23,11 +23,15 @@ constexpr int kGood = 0;
 constexpr int kFailed = 1;
 constexpr int kUsage = 2;
 constexpr int kBadSettings = 3;
+// What systemd/cheval.service acts upon.
+constexpr int kRestart = 75;
+constexpr int kReboot = 76;
 
 constexpr const char* kFooter =
     "Exit status: 0 all went well; 1 the mirror could not be lit, or the visit of --once failed; 2 the command line "
     "is\n"
-    "wrong; 3 the settings are refused (--check-config, --once).\n"
+    "wrong; 3 the settings are refused (--check-config, --once); 75 the sensor needs the daemon started anew; 76 it\n"
+    "needs the machine started anew.\n"
     "Signals: SIGTERM and SIGINT end it within a second; SIGHUP reads the settings again.";
 
 /// One line that is written over and over on a terminal, and line after line elsewhere.
@@ -73,9 +77,18 @@ int serve(const config::LoadOptions& options, bool statusLine) {
         std::fflush(stdout);
     };
     if (statusLine) wishes.status = printStatus;
-    const Expected<void> ended = daemon::runService(wishes);
+    const Expected<daemon::ServiceEnd> ended = daemon::runService(wishes);
     if (statusLine && isatty(STDOUT_FILENO) != 0) fmt::print("\n");
-    if (ended) return kGood;
+    if (ended) {
+        switch (*ended) {
+            case daemon::ServiceEnd::stopped:
+                return kGood;
+            case daemon::ServiceEnd::restart:
+                return kRestart;
+            case daemon::ServiceEnd::reboot:
+                return kReboot;
+        }
+    }
     daemon::log(Severity::error, ended.error().message());
     return kFailed;
 }

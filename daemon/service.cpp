@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "daemon/devices.h"
+#include "daemon/host_hardware.h"
 #include "daemon/hud_writer.h"
 #include "daemon/log.h"
 #include "daemon/room_options.h"
@@ -37,6 +38,7 @@ class Running {
         std::unique_ptr<Running> running(new Running(settings, clock));
         MirrorParts parts{.camera = running->source_.camera,
                           .commands = commands,
+                          .hardware = running->hardware_.get(),
                           .display = &screen.display(),
                           .mode = screen.mode(),
                           .clock = &clock,
@@ -59,6 +61,7 @@ class Running {
     [[nodiscard]] Mirror& mirror() { return *mirror_; }
     [[nodiscard]] const Wardrobe& wardrobe() const { return wardrobe_; }
     [[nodiscard]] bool haveButtons() const { return haveButtons_; }
+    [[nodiscard]] ServiceEnd end() const { return hardware_ != nullptr ? hardware_->end() : ServiceEnd::stopped; }
     /// Refused garments, in short, for the service screen.
     [[nodiscard]] std::string refusals() const {
         std::string text;
@@ -72,10 +75,14 @@ class Running {
         : wardrobe_(loadWardrobe(wardrobeOptions(settings))), source_(makeFrameSource(settings, clock)) {
         for (const Error& refusal : wardrobe_.refusals)
             log(Severity::warning, refusal.message());
+        // Only a real sensor has a place on the bus.
+        if (settings.sensor.source == config::SensorSource::openni)
+            hardware_ = std::make_unique<HostHardware>(hostHardwareOptions(), clock);
     }
 
     Wardrobe wardrobe_;
     FrameSource source_;
+    std::unique_ptr<HostHardware> hardware_;
     bool haveButtons_ = false;
     std::unique_ptr<Mirror> mirror_;
 };
@@ -132,7 +139,12 @@ class Service {
                           .haveButtons = running_->haveButtons()});
         if (options_.status) options_.status(status);
     }
-    void end() { running_.reset(); }
+    /// Why it ends, where it was not asked to.
+    ServiceEnd end() {
+        const ServiceEnd end = running_->end();
+        running_.reset();
+        return end;
+    }
 
   private:
     config::LoadedSettings load() {
@@ -186,10 +198,10 @@ void blockSignals() {
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 }
 
-Expected<void> runService(const ServiceOptions& options) {
+Expected<ServiceEnd> runService(const ServiceOptions& options) {
     Service service(options);
     Expected<void> begun = service.begin();
-    if (!begun) return begun;
+    if (!begun) return std::move(begun).error();
     const sigset_t signals = awaitedSignals();
     while (service.running()) {
         const int signal = sigtimedwait(&signals, nullptr, &kStatusEvery);
@@ -202,8 +214,7 @@ Expected<void> runService(const ServiceOptions& options) {
                      .cause = "the mirror could not be lit again",
                      .mend = "read the messages before this one"};
     }
-    service.end();
-    return {};
+    return service.end();
 }
 
 }  // namespace cheval::daemon

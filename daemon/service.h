@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "config/loader.h"
+#include "daemon/host_hardware.h"
 #include "daemon/mirror.h"
 #include "hal/expected.h"
 
@@ -21,8 +22,8 @@ struct ServiceOptions {
 void blockSignals();
 
 /// Runs until SIGTERM or SIGINT; ends within a second. Settings that are refused leave the last good ones in force (at
-/// the start: what could be understood) and a message on the service screen. Errors: no display, no renderer, or
-/// another mirror runs already.
-Expected<void> runService(const ServiceOptions& options);
+/// the start: what could be understood) and a message on the service screen. Says why it ended: because it was asked
+/// to, or to be started anew for the sensor's sake. Errors: no display or no renderer, a second mirror.
+Expected<ServiceEnd> runService(const ServiceOptions& options);
 
 }  // namespace cheval::daemon

@@ -52,6 +52,8 @@ void ServiceControl::report(const Subject& subject) {
     ControlSnapshot snapshot{.mirror = subject.mirror.status(),
                              .tasks = subject.mirror.statistics(),
                              .renderer = subject.mirror.rendererDescription()};
+    for (std::size_t rung = 0; rung < kRecoveryRungCount; ++rung)
+        snapshot.recovery.emplace_back(name(static_cast<RecoveryRung>(rung)), snapshot.mirror.recovery[rung]);
     for (const OutfitChoice& choice : subject.wardrobe.outfits)
         snapshot.outfits.push_back({.id = choice.id, .name = choice.name});
     HealthInput input{.mirror = snapshot.mirror,
