@@ -159,6 +159,10 @@ void FrameChain::reserve(FramePacket& packet, int width, int height, bool colour
 
 void FrameChain::cameraOpened(const fitting::TrackerOptions& options) {
     tracker_ = std::make_unique<fitting::Tracker>(options);
+    personMayHaveChanged();
+}
+
+void FrameChain::personMayHaveChanged() {
     if (estimator_ != nullptr) estimator_->reset();
     if (animator_ != nullptr) animator_->reset();
     hands_ = {};

@@ -62,6 +62,8 @@ class FrameChain {
     void reserve(FramePacket& packet, int width, int height, bool colour) const;
     /// A camera was opened: starts tracking anew with its mount. Takes memory.
     void cameraOpened(const fitting::TrackerOptions& options);
+    /// Nothing was seen for so long that another person may stand there: measures anew.
+    void personMayHaveChanged();
     /// Runs the tasks and fills `packet`. Returns what it took, by the cost clock.
     hal::Duration process(const ChainInput& input, FramePacket& packet);
     void setFramePeriod(hal::Duration period) { scheduler_.setFramePeriod(period); }

@@ -109,14 +109,20 @@ CameraNext Mirror::takeFrame() {
     const CameraNext next = supervisor_.next(frame_);
     if (supervisor_.openings() != openingsSeen_) {
         const hal::CameraInfo& info = supervisor_.info();
-        sameCamera_ = openingsSeen_ > 0 && alike(info, lastCamera_);
+        const bool same = openingsSeen_ > 0 && alike(info, lastCamera_);
         openingsSeen_ = supervisor_.openings();
         lastCamera_ = info;
-        if (!sameCamera_) chain_->cameraOpened(trackerOptions(settings_, info.mount));
+        if (!same) chain_->cameraOpened(trackerOptions(settings_, info.mount));
+        otherCamera_ = !same;
         if (!parts_.runToTheEnd) log(Severity::notice, "camera: " + info.name);
     }
-    // After a short outage of one and the same sensor everything goes on: background, person, body and choice.
-    if (supervisor_.resumed() && sameCamera_ && supervisor_.outage() < kFaultStaysQuiet) frame_.restart = false;
+    // One and the same sensor sees the same shop again: the background that was learnt holds, and with it somebody who
+    // stands still is found at once. After a short outage it is the same person too, with their measurements.
+    if (supervisor_.resumed() && !otherCamera_) {
+        frame_.restart = false;
+        if (supervisor_.outage() >= kFaultStaysQuiet) chain_->personMayHaveChanged();
+    }
+    if (next == CameraNext::frame) otherCamera_ = false;
     if (supervisor_.fault().has_value() != faulty_) {
         faulty_ = supervisor_.fault().has_value();
         faultText_ = faulty_ ? serviceText(*supervisor_.fault()) : "";

@@ -127,7 +127,7 @@ class Mirror {
     hal::DepthFrame frame_;
     std::uint64_t openingsSeen_ = 0;
     hal::CameraInfo lastCamera_;
-    bool sameCamera_ = false;  ///< The last opening found the sensor that was there before.
+    bool otherCamera_ = true;  ///< No frame yet of a sensor that was not there before.
     hal::TimePoint nextDue_{};
     hal::Duration basePeriod_{};
 

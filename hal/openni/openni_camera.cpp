@@ -31,12 +31,16 @@ constexpr int kColourStream = 1;
 constexpr const char* kCheckCable = "check the sensor's cable and its power; it is reopened by itself";
 
 Error openNiError(std::string attempt, const char* mend = kCheckCable) {
-    std::string_view said = openni::OpenNI::getExtendedError();
-    while (!said.empty() && (said.back() == '\n' || said.back() == ' ' || said.back() == '\t'))
-        said.remove_suffix(1);
-    return {.code = ErrorCode::unavailable,
-            .cause = std::move(attempt) + (said.empty() ? "" : ": " + std::string(said)),
-            .mend = mend};
+    // Several lines, indented: one line of it all.
+    std::string said;
+    for (const char letter : std::string_view(openni::OpenNI::getExtendedError())) {
+        const bool blank = letter == '\n' || letter == '\t' || letter == ' ';
+        if (!blank) said += letter;
+        if (blank && !said.empty() && said.back() != ' ') said += ' ';
+    }
+    if (said.ends_with(' ')) said.pop_back();
+    return {
+        .code = ErrorCode::unavailable, .cause = std::move(attempt) + (said.empty() ? "" : ": " + said), .mend = mend};
 }
 
 /// Devices that come and go, told by the runtime's own threads. Thread-safe.
@@ -144,7 +148,10 @@ class OpenNiCameraImplementation final : public OpenNiCamera {
         const TimePoint limit = steady_.now() + std::max(timeout, Duration::zero());
         while (true) {
             if (interrupt.raised()) return FrameStatus::closed;
-            if (!recorded() && listener_.takeDeparture()) return lose("the sensor was unplugged");
+            if (!recorded() && listener_.takeDeparture()) {
+                loss_ = Error{.code = ErrorCode::unavailable, .cause = "the sensor was unplugged", .mend = kCheckCable};
+                return FrameStatus::lost;
+            }
             const TimePoint now = steady_.now();
             if (depthWaits_ && (colourFits() || now >= colourLimit_)) {
                 // The header may promise more frames than there are; then the player begins again.
