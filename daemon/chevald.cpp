@@ -9,6 +9,7 @@
 
 #include "config/loader.h"
 #include "daemon/log.h"
+#include "daemon/message_ids.h"
 #include "daemon/once.h"
 #include "daemon/service.h"
 #include "daemon/status_line.h"
@@ -76,7 +77,7 @@ int serve(const config::LoadOptions& options, bool statusLine) {
     const Expected<void> ended = daemon::runService(wishes);
     if (statusLine && isatty(STDOUT_FILENO) != 0) fmt::print("\n");
     if (ended) return kGood;
-    daemon::log(Severity::error, ended.error().message());
+    daemon::log(Severity::error, ended.error().message(), daemon::message::kNotLit);
     return kFailed;
 }
 

@@ -5,6 +5,7 @@
 
 #include "daemon/hud_writer.h"
 #include "daemon/log.h"
+#include "daemon/message_ids.h"
 #include "daemon/room_options.h"
 #include "fitting/tracking/cloud.h"
 
@@ -104,7 +105,8 @@ CameraNext Mirror::takeFrame() {
     if (supervisor_.fault().has_value() != faulty_) {
         faulty_ = supervisor_.fault().has_value();
         faultText_ = faulty_ ? serviceText(*supervisor_.fault()) : "";
-        if (faulty_ && !parts_.runToTheEnd) log(Severity::warning, supervisor_.fault()->message());
+        if (faulty_ && !parts_.runToTheEnd)
+            log(Severity::warning, supervisor_.fault()->message(), message::kSensorLost);
     }
     return next;
 }
@@ -168,12 +170,20 @@ void Mirror::afterLoop(hal::Duration taken, bool haveFrame) {
     status_.loopTime = taken;
     status_.degradeLevel = ladder_.level();
     status_.degradeName = ladder_.rung().name;
+    ++status_.turns;
     if (haveFrame) ++status_.frames;
     loopRowCount_ = copyRows(chain_->scheduler(), "loop, whole frame", loopRows_);
 }
 
 void Mirror::afterPicture(const Expected<hal::Duration>& shown) {
-    if (!shown) return;
+    if (!shown) {
+        // A screen that is away, or busy, is no renderer that hangs; one that cannot draw is as good as one.
+        const ErrorCode code = shown.error().code;
+        if (code != ErrorCode::unavailable && code != ErrorCode::timedOut) return;
+        const std::lock_guard lock(shared_);
+        ++status_.drawTurns;
+        return;
+    }
     renderTime_.store(shown.value().count(), std::memory_order_relaxed);
     const hal::TimePoint now = parts_.cost->now();
     const double gap = hal::seconds(now - lastRate_);
@@ -183,6 +193,7 @@ void Mirror::afterPicture(const Expected<hal::Duration>& shown) {
     const std::lock_guard lock(shared_);
     status_.renderTime = shown.value();
     status_.pictures = ++picturesShown_;
+    ++status_.drawTurns;
     status_.framesPerSecond = rate_;
     renderRowCount_ = copyRows(pictures_->scheduler(), "renderer, whole frame", renderRows_);
 }
@@ -236,7 +247,7 @@ void Mirror::runRenderer(std::promise<Expected<void>> standing) {
         }
         const Expected<hal::Duration> shown = pictures_->show(packets_.front());
         // Told when it begins and when it is over, not thirty times a second.
-        if (!shown && !failing) log(Severity::error, shown.error().message());
+        if (!shown && !failing) log(Severity::error, shown.error().message(), message::kPictureNotShown);
         failing = !shown;
         afterPicture(shown);
     }

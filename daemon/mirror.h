@@ -52,9 +52,11 @@ struct MirrorStatus {
     hal::Duration renderTime{};  ///< Of the last picture.
     std::size_t degradeLevel = 0;
     std::string_view degradeName;
+    std::uint64_t turns = 0;  ///< Of the loop, with or without a frame: stands still only where the loop hangs.
     std::uint64_t frames = 0;
     std::uint64_t pictures = 0;
     std::uint64_t visits = 0;
+    std::uint64_t drawTurns = 0;  ///< Pictures, and those that only an absent screen kept from being shown.
 };
 
 enum class StepResult : std::uint8_t {

@@ -10,14 +10,14 @@
 #include "daemon/devices.h"
 #include "daemon/hud_writer.h"
 #include "daemon/log.h"
+#include "daemon/message_ids.h"
 #include "daemon/room_options.h"
+#include "daemon/service_manager.h"
 #include "daemon/status_line.h"
 
 namespace cheval::daemon {
 
 namespace {
-
-constexpr std::timespec kStatusEvery{.tv_sec = 0, .tv_nsec = 500'000'000};
 
 sigset_t awaitedSignals() {
     sigset_t signals;
@@ -66,7 +66,7 @@ class Running {
     Running(const config::Settings& settings, hal::Clock& clock)
         : wardrobe_(loadWardrobe(wardrobeOptions(settings))), source_(makeFrameSource(settings, clock)) {
         for (const Error& refusal : wardrobe_.refusals)
-            log(Severity::warning, refusal.message());
+            log(Severity::warning, refusal.message(), message::kGarmentRefused);
     }
 
     Wardrobe wardrobe_;
@@ -91,6 +91,7 @@ class Service {
     }
 
     void reload() {
+        manager_.reloading();
         config::LoadedSettings loaded = load();
         if (!loaded.good()) {
             log(Severity::error, "the settings are refused; the last good ones stay in force");
@@ -116,16 +117,21 @@ class Service {
         if (running_ == nullptr) return;
         const MirrorStatus status = running_->mirror().status();
         screen_->setStatus(statusLine(status));
+        manager_.report(status, problem_);
         if (options_.status) options_.status(status);
     }
-    void end() { running_.reset(); }
+    void end() {
+        manager_.stopping();
+        running_.reset();
+    }
+    [[nodiscard]] ServiceManager& manager() { return manager_; }
 
   private:
     config::LoadedSettings load() {
         config::LoadedSettings loaded = config::loadSettings(options_.settings);
         problem_.clear();
         for (const Error& problem : loaded.problems)
-            log(Severity::error, problem.message());
+            log(Severity::error, problem.message(), message::kSettingsRefused);
         if (!loaded.good()) problem_ = serviceText(loaded.problems.front());
         return loaded;
     }
@@ -157,6 +163,7 @@ class Service {
 
     const ServiceOptions& options_;
     hal::SteadyClock clock_;
+    ServiceManager manager_ = ServiceManager::ofThisProcess(clock_);
     config::Settings settings_;
     std::string problem_;
     std::unique_ptr<Screen> screen_;
@@ -173,18 +180,24 @@ void blockSignals() {
 Expected<void> runService(const ServiceOptions& options) {
     Service service(options);
     Expected<void> begun = service.begin();
-    if (!begun) return begun;
+    if (!begun) {
+        service.manager().failed(begun.error());
+        return begun;
+    }
     const sigset_t signals = awaitedSignals();
     while (service.running()) {
-        const int signal = sigtimedwait(&signals, nullptr, &kStatusEvery);
+        const std::timespec pause{.tv_sec = 0, .tv_nsec = service.manager().pause().count()};
+        const int signal = sigtimedwait(&signals, nullptr, &pause);
         if (signal == SIGTERM || signal == SIGINT) break;
         if (signal == SIGHUP) service.reload();
         service.report();
     }
     if (!service.running()) {
-        return Error{.code = ErrorCode::unavailable,
-                     .cause = "the mirror could not be lit again",
-                     .mend = "read the messages before this one"};
+        const Error error{.code = ErrorCode::unavailable,
+                          .cause = "the mirror could not be lit again",
+                          .mend = "read the messages before this one"};
+        service.manager().failed(error);
+        return error;
     }
     service.end();
     return {};
