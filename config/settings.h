@@ -13,6 +13,7 @@ enum class Rotation : std::uint8_t { none, clockwise, anticlockwise };
 enum class DisplayKind : std::uint8_t { headless, preview };
 enum class SwipeMeaning : std::uint8_t { carousel, arrow };
 enum class RenderContext : std::uint8_t { automatic, egl, osmesa };
+enum class BusKind : std::uint8_t { system, session, none };
 enum class StartView : std::uint8_t { mirror, avatar };
 
 /// Settings of the whole program, one nested struct a section, e.g. `settings.sensor.heightMm`. A default-made one

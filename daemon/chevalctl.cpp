@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -12,6 +13,7 @@
 
 #include "config/loader.h"
 #include "config/settings_table.h"
+#include "daemon/control_commands.h"
 #include "daemon/log.h"
 #include "daemon/replay_run.h"
 
@@ -26,7 +28,8 @@ constexpr int kUsage = 2;
 constexpr int kBadSettings = 3;
 
 constexpr const char* kFooter =
-    "Exit status: 0 all went well; 1 it could not be done; 2 the command line is wrong; 3 the settings are refused.";
+    "Exit status: 0 all went well; 1 it could not be done; 2 the command line is wrong; 3 the settings are "
+    "refused; 4 a part of the mirror is at fault (status).";
 
 struct ReplayArguments {
     daemon::ReplayRunOptions options;
@@ -166,11 +169,13 @@ int run(int argc, char** argv) {
         ->capture_default_str();
     replayCommand->add_option("--size", arguments.size,
                               "Size of the pictures, e.g. 540x960 (default: display.width x display.height)");
+    const daemon::ControlCommands control(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? kGood : kUsage;
     }
+    if (const std::optional<int> status = control.run()) return *status;
     config::LoadOptions options;
     if (!folder.empty()) {
         options.folder = folder;

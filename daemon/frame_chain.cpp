@@ -21,6 +21,22 @@ bool enoughJoints(const fitting::Skeleton& skeleton) {
            (seen(fitting::Joint::leftShoulder) || seen(fitting::Joint::rightShoulder));
 }
 
+/// "cause. Mend: mend" without heap memory: buttons may fail in every frame.
+std::string_view writeFault(const Error& error, render::FixedText<256>& text) {
+    std::array<char, 256> bytes{};
+    std::size_t length = 0;
+    const auto append = [&bytes, &length](std::string_view part) {
+        length += part.copy(bytes.data() + length, bytes.size() - length);
+    };
+    append(error.cause.empty() ? "the buttons fail" : std::string_view(error.cause));
+    if (!error.mend.empty()) {
+        append(". Mend: ");
+        append(error.mend);
+    }
+    text.assign({bytes.data(), length});
+    return text.view();
+}
+
 }  // namespace
 
 /// The table's functions. A frame that did not come leaves all but buttons, session and the hand-over out.
@@ -171,13 +187,20 @@ hal::Duration FrameChain::process(const ChainInput& input, FramePacket& packet) 
 
 void FrameChain::pollButtons() {
     eventCount_ = 0;
+    std::string_view fault;
     for (hal::Buttons* buttons : input_->buttons) {
         const std::span<hal::ButtonEvent> room = std::span(events_).subspan(eventCount_);
         if (room.empty()) break;
-        // Buttons that fail are buttons that nobody pressed; the mirror goes on.
+        // Buttons that fail are buttons that nobody pressed; the mirror goes on, and its health says so.
         const Expected<std::size_t> count = buttons->poll(room);
-        if (count) eventCount_ += std::min(*count, room.size());
+        if (count) {
+            eventCount_ += std::min(*count, room.size());
+        } else if (fault.empty()) {
+            fault = writeFault(count.error(), buttonsFault_);
+        }
     }
+    if (fault.empty()) buttonsFault_.assign("");
+    commandCount_ = input_->commands == nullptr ? 0 : input_->commands->take(commands_);
 }
 
 bool FrameChain::somebody() const {
@@ -185,7 +208,9 @@ bool FrameChain::somebody() const {
 }
 
 void FrameChain::updateSession() {
-    SessionInput input{.time = input_->time, .buttons = std::span(events_.data(), eventCount_)};
+    SessionInput input{.time = input_->time,
+                       .buttons = std::span(events_.data(), eventCount_),
+                       .commands = std::span(commands_.data(), commandCount_)};
     if (input_->frame != nullptr) {
         input.userId = tracker_->users().activeId;
         input.jointsSeen = enoughJoints(tracker_->skeleton());

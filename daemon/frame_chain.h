@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "daemon/frame_packet.h"
+#include "daemon/remote_commands.h"
 #include "daemon/scheduler.h"
 #include "daemon/session.h"
 #include "daemon/wardrobe.h"
@@ -41,9 +42,10 @@ struct ChainInput {
     hal::TimePoint time{};                   ///< The frame's capture time, or now.
     hal::TimePoint started{};                ///< Admission clock: when the frame's time began to run.
     std::span<hal::Buttons* const> buttons;
-    std::string_view fault;   ///< Why there are no frames.
-    std::string_view notice;  ///< For the service screen …
-    bool showNotice = false;  ///< … which opens for it, unless a shopper is being dressed.
+    RemoteCommands* commands = nullptr;  ///< Null: nobody can send any.
+    std::string_view fault;              ///< Why there are no frames.
+    std::string_view notice;             ///< For the service screen …
+    bool showNotice = false;             ///< … which opens for it, unless a shopper is being dressed.
     float renderScale = 1.0F;
 };
 
@@ -71,6 +73,8 @@ class FrameChain {
     [[nodiscard]] const fitting::Hands& hands() const { return hands_; }
     /// Null without a mannequin.
     [[nodiscard]] const fitting::Measurements* measurements() const;
+    /// Why the buttons cannot be read; empty while they can.
+    [[nodiscard]] std::string_view buttonsFault() const { return buttonsFault_.view(); }
     [[nodiscard]] const Scheduler& scheduler() const { return scheduler_; }
 
     /// The task table, for documents and tests.
@@ -109,6 +113,9 @@ class FrameChain {
     static constexpr std::size_t kMaximumEvents = 64;
     std::array<hal::ButtonEvent, kMaximumEvents> events_{};
     std::size_t eventCount_ = 0;
+    render::FixedText<256> buttonsFault_;
+    std::array<RemoteCommand, RemoteCommands::kMaximumWaiting> commands_{};
+    std::size_t commandCount_ = 0;
     // The frame in work.
     const ChainInput* input_ = nullptr;
     FramePacket* packet_ = nullptr;

@@ -141,6 +141,7 @@ void Mirror::turn(bool haveFrame, FramePacket& packet) {
                                                  .time = haveFrame ? frame_.captureTime : now,
                                                  .started = parts_.admission->now(),
                                                  .buttons = parts_.buttons,
+                                                 .commands = parts_.commands,
                                                  .fault = faultText_,
                                                  .notice = notice.view(),
                                                  .showNotice = notice.length > 0 && now < noticeUntil_,
@@ -163,8 +164,10 @@ void Mirror::afterLoop(hal::Duration taken, bool haveFrame) {
     std::string_view outfit;
     if (session.outfit() < parts_.wardrobe->outfits.size()) outfit = parts_.wardrobe->outfits[session.outfit()].name;
     status_.outfit.assign(outfit);
+    status_.outfitIndex = session.outfit();
     status_.camera = supervisor_.state();
     status_.fault.assign(faultText_);
+    status_.buttonsFault.assign(chain_->buttonsFault());
     status_.avatarView = session.avatarView();
     status_.visits = session.visits();
     status_.loopTime = taken;
@@ -177,11 +180,13 @@ void Mirror::afterLoop(hal::Duration taken, bool haveFrame) {
 
 void Mirror::afterPicture(const Expected<hal::Duration>& shown) {
     if (!shown) {
+        const std::string fault = serviceText(shown.error());
         // A screen that is away, or busy, is no renderer that hangs; one that cannot draw is as good as one.
         const ErrorCode code = shown.error().code;
-        if (code != ErrorCode::unavailable && code != ErrorCode::timedOut) return;
+        const bool screenIsAway = code == ErrorCode::unavailable || code == ErrorCode::timedOut;
         const std::lock_guard lock(shared_);
-        ++status_.drawTurns;
+        status_.displayFault.assign(fault);
+        if (screenIsAway) ++status_.drawTurns;
         return;
     }
     renderTime_.store(shown.value().count(), std::memory_order_relaxed);
@@ -192,6 +197,7 @@ void Mirror::afterPicture(const Expected<hal::Duration>& shown) {
     if (gap > 0.0) rate_ = picturesShown_ == 0 ? 0.0 : rate_ + 0.1 * (1.0 / gap - rate_);
     const std::lock_guard lock(shared_);
     status_.renderTime = shown.value();
+    status_.displayFault.assign("");
     status_.pictures = ++picturesShown_;
     ++status_.drawTurns;
     status_.framesPerSecond = rate_;
@@ -213,8 +219,8 @@ Expected<StepResult> Mirror::step(const std::function<bool(const hal::DepthFrame
         packets_.publish();
         packets_.take();
         Expected<hal::Duration> shown = pictures_->show(packets_.front());
-        if (!shown) return std::move(shown).error();
         afterPicture(shown);
+        if (!shown) return std::move(shown).error();
     }
     if (haveFrame) return StepResult::frame;
     return supervisor_.state() == CameraState::ended ? StepResult::ended : StepResult::none;

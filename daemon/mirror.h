@@ -29,9 +29,10 @@ namespace cheval::daemon {
 struct MirrorParts {
     CameraFactory camera;
     std::vector<hal::Buttons*> buttons;
-    hal::Display* display = nullptr;  ///< Open.
-    hal::DisplayMode mode;            ///< As the display said when it was opened.
-    hal::Clock* clock = nullptr;      ///< Drives frames and dwell times.
+    RemoteCommands* commands = nullptr;  ///< What other programs ask for; null: none can.
+    hal::Display* display = nullptr;     ///< Open.
+    hal::DisplayMode mode;               ///< As the display said when it was opened.
+    hal::Clock* clock = nullptr;         ///< Drives frames and dwell times.
     /// Decides what still fits into a frame; null: `clock`. One that stands still sheds nothing.
     const hal::Clock* admission = nullptr;
     const hal::Clock* cost = nullptr;    ///< Measures what tasks take.
@@ -44,8 +45,11 @@ struct MirrorParts {
 struct MirrorStatus {
     SessionState state = SessionState::idle;
     render::FixedText<96> outfit;
+    std::size_t outfitIndex = 0;  ///< Among the wardrobe's outfits.
     CameraState camera = CameraState::closed;
     render::FixedText<512> fault;
+    render::FixedText<256> buttonsFault;  ///< Why the buttons cannot be read; empty while they can.
+    render::FixedText<512> displayFault;  ///< Why the last picture was not shown; empty where it was.
     bool avatarView = false;
     double framesPerSecond = 0.0;
     hal::Duration loopTime{};    ///< Of the last frame.

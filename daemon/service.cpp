@@ -12,6 +12,7 @@
 #include "daemon/log.h"
 #include "daemon/message_ids.h"
 #include "daemon/room_options.h"
+#include "daemon/service_control.h"
 #include "daemon/service_manager.h"
 #include "daemon/status_line.h"
 
@@ -32,9 +33,10 @@ sigset_t awaitedSignals() {
 class Running {
   public:
     static Expected<std::unique_ptr<Running>> start(const config::Settings& settings, const Screen& screen,
-                                                    hal::Clock& clock) {
+                                                    RemoteCommands* commands, hal::Clock& clock) {
         std::unique_ptr<Running> running(new Running(settings, clock));
         MirrorParts parts{.camera = running->source_.camera,
+                          .commands = commands,
                           .display = &screen.display(),
                           .mode = screen.mode(),
                           .clock = &clock,
@@ -42,6 +44,7 @@ class Running {
                           .wardrobe = &running->wardrobe_};
         if (running->source_.buttons != nullptr) parts.buttons.push_back(running->source_.buttons.get());
         if (screen.buttons() != nullptr) parts.buttons.push_back(screen.buttons());
+        running->haveButtons_ = !parts.buttons.empty();
         Expected<std::unique_ptr<Mirror>> mirror = Mirror::create(settings, std::move(parts));
         if (!mirror) return std::move(mirror).error();
         running->mirror_ = std::move(*mirror);
@@ -54,6 +57,8 @@ class Running {
     }
 
     [[nodiscard]] Mirror& mirror() { return *mirror_; }
+    [[nodiscard]] const Wardrobe& wardrobe() const { return wardrobe_; }
+    [[nodiscard]] bool haveButtons() const { return haveButtons_; }
     /// Refused garments, in short, for the service screen.
     [[nodiscard]] std::string refusals() const {
         std::string text;
@@ -71,6 +76,7 @@ class Running {
 
     Wardrobe wardrobe_;
     FrameSource source_;
+    bool haveButtons_ = false;
     std::unique_ptr<Mirror> mirror_;
 };
 
@@ -82,6 +88,9 @@ class Service {
     Expected<void> begin() {
         config::LoadedSettings loaded = load();
         settings_ = loaded.settings;
+        Expected<std::unique_ptr<ServiceControl>> control = ServiceControl::begin(settings_, clock_);
+        if (!control) return std::move(control).error();
+        control_ = std::move(*control);
         Expected<std::unique_ptr<Screen>> screen = Screen::open(settings_, clock_);
         if (!screen) return std::move(screen).error();
         screen_ = std::move(*screen);
@@ -118,6 +127,11 @@ class Service {
         const MirrorStatus status = running_->mirror().status();
         screen_->setStatus(statusLine(status));
         manager_.report(status, problem_);
+        control_->report({.mirror = running_->mirror(),
+                          .wardrobe = running_->wardrobe(),
+                          .settings = settings_,
+                          .settingsProblem = problem_,
+                          .haveButtons = running_->haveButtons()});
         if (options_.status) options_.status(status);
     }
     void end() {
@@ -137,7 +151,7 @@ class Service {
     }
 
     Expected<void> light() {
-        Expected<std::unique_ptr<Running>> running = Running::start(settings_, *screen_, clock_);
+        Expected<std::unique_ptr<Running>> running = Running::start(settings_, *screen_, control_->commands(), clock_);
         if (!running) return std::move(running).error();
         running_ = std::move(*running);
         tell();
@@ -146,6 +160,7 @@ class Service {
 
     Expected<void> relight(const config::Settings& before) {
         running_.reset();
+        control_->settingsChange(settings_);
         if (!Screen::same(before, settings_)) {
             screen_.reset();
             Expected<std::unique_ptr<Screen>> screen = Screen::open(settings_, clock_);
@@ -166,6 +181,7 @@ class Service {
     ServiceManager manager_ = ServiceManager::ofThisProcess(clock_);
     config::Settings settings_;
     std::string problem_;
+    std::unique_ptr<ServiceControl> control_;
     std::unique_ptr<Screen> screen_;
     std::unique_ptr<Running> running_;
 };

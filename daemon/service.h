@@ -21,7 +21,8 @@ struct ServiceOptions {
 void blockSignals();
 
 /// Runs until SIGTERM or SIGINT; ends within a second. Settings that are refused leave the last good ones in force (at
-/// the start: what could be understood) and a message on the service screen. Errors: no display or no renderer.
+/// the start: what could be understood) and a message on the service screen. Errors: no display, no renderer, or
+/// another mirror runs already.
 Expected<void> runService(const ServiceOptions& options);
 
 }  // namespace cheval::daemon

@@ -68,6 +68,30 @@ void Session::press(const hal::ButtonEvent& event) {
     }
 }
 
+void Session::choose(std::size_t outfit) {
+    if (outfit < options_.outfitCount) outfit_ = outfit;
+}
+
+void Session::obey(const RemoteCommand& command) {
+    switch (command.kind) {
+        case RemoteCommand::Kind::next:
+            step(1);
+            break;
+        case RemoteCommand::Kind::previous:
+            step(-1);
+            break;
+        case RemoteCommand::Kind::choose:
+            choose(command.outfit);
+            break;
+        case RemoteCommand::Kind::mirrorView:
+            showAvatar(false);
+            break;
+        case RemoteCommand::Kind::avatarView:
+            showAvatar(true);
+            break;
+    }
+}
+
 void Session::enter(SessionState state, hal::TimePoint time) {
     if (state == SessionState::wearing && newcomer_) {
         ++visits_;
@@ -83,6 +107,8 @@ void Session::update(const SessionInput& input) {
     now_ = std::max(now_, input.time);
     for (const hal::ButtonEvent& event : input.buttons)
         press(event);
+    for (const RemoteCommand& command : input.commands)
+        obey(command);
     // Hands speak for the dressed alone: whoever walks in with swinging arms chooses nothing.
     if (state_ == SessionState::wearing) {
         for (const fitting::GestureEvent& gesture : input.gestures) {

@@ -7,6 +7,7 @@
 #include <span>
 #include <string_view>
 
+#include "daemon/remote_commands.h"
 #include "fitting/hands.h"
 #include "hal/clock.h"
 #include "hal/event.h"
@@ -44,6 +45,7 @@ struct SessionInput {
     bool jointsSeen = false;   ///< Enough joints for clothes to hang on.
     bool measured = false;     ///< There is a body to dress.
     std::span<const hal::ButtonEvent> buttons;
+    std::span<const RemoteCommand> commands;  ///< After the buttons.
     std::span<const fitting::GestureEvent> gestures;
 };
 
@@ -56,6 +58,10 @@ class Session {
     void update(const SessionInput& input);
     /// Nobody is there and nothing was chosen (a recording's next still, a sensor reopened).
     void reset();
+    /// Wears this outfit from now to the end of the visit; a number that no outfit has changes nothing.
+    void choose(std::size_t outfit);
+    /// Shows the mannequin, or the mirror, from now to the end of the visit.
+    void showAvatar(bool avatar) { avatarView_ = avatar; }
 
     [[nodiscard]] SessionState state() const { return state_; }
     /// Clothes are drawn.
@@ -70,6 +76,7 @@ class Session {
     void enter(SessionState state, hal::TimePoint time);
     void startAnew();
     void press(const hal::ButtonEvent& event);
+    void obey(const RemoteCommand& command);
     void step(std::ptrdiff_t by);
     bool advance(const SessionInput& input);
 

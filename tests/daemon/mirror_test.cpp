@@ -39,9 +39,11 @@ class TestButtons final : public hal::Buttons {
         waiting_ = {.button = button, .action = hal::ButtonAction::pressed};
         full_ = true;
     }
+    void setBroken(bool broken) { broken_ = broken; }
 
   protected:
     Expected<std::size_t> doPoll(std::span<hal::ButtonEvent> events) override {
+        if (broken_) return Error{.code = ErrorCode::unavailable, .cause = "the chip is gone", .mend = "plug it in"};
         if (!full_ || events.empty()) return std::size_t{0};
         events[0] = waiting_;
         full_ = false;
@@ -51,6 +53,7 @@ class TestButtons final : public hal::Buttons {
   private:
     hal::ButtonEvent waiting_;
     bool full_ = false;
+    bool broken_ = false;
 };
 
 /// A mirror in one thread, on virtual time.
@@ -72,6 +75,7 @@ class MirrorTest : public testing::Test {
         Expected<std::unique_ptr<Mirror>> made =
             Mirror::create(settings_, {.camera = std::move(camera),
                                        .buttons = {&buttons_},
+                                       .commands = &commands_,
                                        .display = display_.get(),
                                        .mode = displayMode(settings_),
                                        .clock = &clock_,
@@ -104,6 +108,7 @@ class MirrorTest : public testing::Test {
     hal::SteadyClock steady_;
     std::unique_ptr<hal::Display> display_;
     TestButtons buttons_;
+    RemoteCommands commands_;
     Wardrobe wardrobe_;
     CameraScript script_;
     std::unique_ptr<Mirror> mirror_;
@@ -126,6 +131,31 @@ TEST_F(MirrorTest, dressesTheSimulatedShopperAndChangesOnAButton) {
     EXPECT_TRUE(mirror.status().avatarView);
 }
 
+TEST_F(MirrorTest, doesWhatOtherProgramsAskForInItsNextFrame) {
+    Mirror& mirror = lightSimulation();
+    ASSERT_TRUE(commands_.push({.kind = RemoteCommand::Kind::choose, .outfit = 2}));
+    ASSERT_TRUE(commands_.push({.kind = RemoteCommand::Kind::avatarView}));
+    ASSERT_TRUE(mirror.step(never));
+    EXPECT_EQ(mirror.status().outfitIndex, 2U);
+    EXPECT_EQ(mirror.status().outfit.view(), wardrobe_.outfits[2].name);
+    EXPECT_TRUE(mirror.status().avatarView);
+    ASSERT_TRUE(mirror.step(never));
+    EXPECT_EQ(mirror.status().outfitIndex, 2U) << "a wish is granted once";
+}
+
+TEST_F(MirrorTest, saysWhyItsButtonsCannotBeReadUntilTheyCan) {
+    Mirror& mirror = lightSimulation();
+    ASSERT_TRUE(mirror.step(never));
+    EXPECT_EQ(mirror.status().buttonsFault.view(), "");
+    buttons_.setBroken(true);
+    ASSERT_TRUE(mirror.step(never));
+    EXPECT_EQ(mirror.status().buttonsFault.view(), "the chip is gone. Mend: plug it in");
+    buttons_.setBroken(false);
+    ASSERT_TRUE(mirror.step(never));
+    EXPECT_EQ(mirror.status().buttonsFault.view(), "");
+    EXPECT_EQ(mirror.status().turns, 3U);
+}
+
 TEST_F(MirrorTest, takesNoHeapMemoryInTheLoopOnceItRuns) {
     Mirror& mirror = lightSimulation();
     // Every outfit has been worn and both views shown before the count begins.
@@ -137,6 +167,9 @@ TEST_F(MirrorTest, takesNoHeapMemoryInTheLoopOnceItRuns) {
     int frames = 0;
     for (; frames < 240; ++frames) {
         if (frames % 20 == 0) buttons_.press(hal::Button::next);
+        if (frames % 20 == 10) {
+            ASSERT_TRUE(commands_.push({.kind = RemoteCommand::Kind::choose, .outfit = 2}));
+        }
         // The simulated camera draws a world; what it takes is not the mirror's. Here the whole step is counted, camera
         // included, and held to none.
         const cheval::test::AllocationCounter counter;
@@ -231,6 +264,7 @@ TEST_F(MirrorTest, showsNothingOldWhenAPictureCannotBeDrawn) {
     // Colour of another size than depth, which no renderer can lay over it.
     script_ = {.steps = {Does::frame}, .colourWidth = 320};
     EXPECT_FALSE(lightScript().step());
+    EXPECT_NE(mirror_->status().displayFault.view(), "");
     EXPECT_EQ(display.statistics().presented, 1U);
     for (const hal::Rgba8 pixel : display.picture().pixels)
         ASSERT_LT(std::max({pixel.r, pixel.g, pixel.b}), 64);

@@ -265,6 +265,27 @@ TEST(Session, withoutOutfitsNothingIsChosen) {
     EXPECT_EQ(player.session.outfit(), 0U);
 }
 
+TEST(Session, wishesOfOtherProgramsWorkAtAnyTimeInTheirOrder) {
+    using Kind = RemoteCommand::Kind;
+    Session session(kOptions);
+    const auto wish = [&session](std::span<const RemoteCommand> commands) {
+        session.update({.time = hal::TimePoint(std::chrono::seconds(1)), .commands = commands});
+    };
+    EXPECT_EQ(session.outfit(), 1U);
+    wish(std::array<RemoteCommand, 2>{{{.kind = Kind::choose, .outfit = 0}, {.kind = Kind::next}}});
+    EXPECT_EQ(session.outfit(), 1U);
+    wish(std::array<RemoteCommand, 2>{{{.kind = Kind::next}, {.kind = Kind::choose, .outfit = 0}}});
+    EXPECT_EQ(session.outfit(), 0U);
+    wish(std::array<RemoteCommand, 1>{{{.kind = Kind::previous}}});
+    EXPECT_EQ(session.outfit(), 2U);
+    wish(std::array<RemoteCommand, 1>{{{.kind = Kind::choose, .outfit = 3}}});
+    EXPECT_EQ(session.outfit(), 2U) << "there is no such outfit";
+    wish(std::array<RemoteCommand, 2>{{{.kind = Kind::avatarView}, {.kind = Kind::avatarView}}});
+    EXPECT_TRUE(session.avatarView()) << "asked for twice is not taken back";
+    wish(std::array<RemoteCommand, 1>{{{.kind = Kind::mirrorView}}});
+    EXPECT_FALSE(session.avatarView());
+}
+
 TEST(Session, takesNoMemory) {
     Session session(kOptions);
     const std::array<ButtonEvent, 1> buttons = {{{.button = Button::next}}};

@@ -23,6 +23,8 @@ source = "sim"
 kind = "headless"
 width = 270
 height = 480
+[bus]
+kind = "none"
 """
 
 

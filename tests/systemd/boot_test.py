@@ -114,6 +114,8 @@ def boot(root, build, cmake, sanitized):
     for name in SHARED_SETTINGS:
         if pathlib.Path("/etc", name).exists():
             binds.append(f"--bind-ro=/etc/{name}")
+    # The bus looks for policies under /usr and /etc alone, whatever the prefix.
+    shutil.copytree(stage / PREFIX.lstrip("/") / "share/dbus-1/system.d", root / "etc/dbus-1/system.d")
     ended = nspawn(root, "--boot", *binds)
     report = root / "var/report"
     told = report.read_text(errors="replace") if report.exists() else ""

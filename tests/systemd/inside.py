@@ -1,5 +1,6 @@
 """What boot_test.py does inside its container, as root: it looks at the service as a technician would, with systemctl and
 the journal, and does to it what a shop does. Each line that it prints says what passed."""
+import json
 import os
 import pathlib
 import shutil
@@ -116,6 +117,18 @@ def sandbox_holds():
     check("the sandbox allows what is needed and refuses the rest", result == "success")
 
 
+def clothes_are_on(_unit):
+    told = json.loads(run("/usr/local/bin/chevalctl", "status", "--json").stdout)
+    runs = {task["name"]: task["runs"] for task in told["tasks"]}
+    return told["overall"] == "ok" and all(runs[task] > 0 for task in ("body", "layering", "animate", "draw", "present"))
+
+
+def bus():
+    told = run("/usr/local/bin/chevalctl", "status")
+    check("chevalctl reaches it, by the policy and out of the sandbox", told.returncode == 0)
+    wait("every part is well; clothes are fitted, moved and drawn", clothes_are_on)
+
+
 def reload(pid):
     good = SETTINGS.read_text()
     SETTINGS.write_text(good.replace("[loop]\n", "[loop]\nfsp = 20.0\n"))
@@ -202,6 +215,7 @@ def never_starts():
 
 def main():
     pid = starts()
+    bus()
     sandbox(pid)
     sandbox_holds()
     reload(pid)
