@@ -9,6 +9,7 @@
 
 #include "config/loader.h"
 #include "daemon/log.h"
+#include "daemon/message_ids.h"
 #include "daemon/once.h"
 #include "daemon/service.h"
 #include "daemon/status_line.h"
@@ -89,7 +90,7 @@ int serve(const config::LoadOptions& options, bool statusLine) {
                 return kReboot;
         }
     }
-    daemon::log(Severity::error, ended.error().message());
+    daemon::log(Severity::error, ended.error().message(), daemon::message::kNotLit);
     return kFailed;
 }
 

@@ -28,6 +28,13 @@ std::string environmentValue(const char* name) {
     return value == nullptr ? std::string() : std::string(value);
 }
 
+/// In place of a count.
+constexpr std::uint32_t kRebootDue = 1'000'000;
+
+std::string countFileIn(const std::string& folder) {
+    return folder.empty() ? folder : (std::filesystem::path(folder) / "sensor-restarts").string();
+}
+
 std::uint32_t readCount(const std::string& file) {
     std::vector<std::byte> bytes;
     std::uint32_t count = 0;
@@ -47,6 +54,10 @@ HostHardwareOptions hostHardwareOptions() {
     return options;
 }
 
+bool rebootIsDue(const HostHardwareOptions& options) {
+    return options.supervised && readCount(countFileIn(options.runtimeFolder)) >= kRebootDue;
+}
+
 HostHardware::HostHardware(HostHardwareOptions options, const hal::Clock& clock)
     : options_(std::move(options)), clock_(clock) {
     Expected<std::unique_ptr<hal::UsbWatcher>> watcher = hal::UsbWatcher::start();
@@ -55,8 +66,7 @@ HostHardware::HostHardware(HostHardwareOptions options, const hal::Clock& clock)
     } else {
         log(Severity::notice, watcher.error().message());
     }
-    if (options_.runtimeFolder.empty()) return;
-    countFile_ = (std::filesystem::path(options_.runtimeFolder) / "sensor-restarts").string();
+    countFile_ = countFileIn(options_.runtimeFolder);
     restartsBefore_ = readCount(countFile_);
     counted_ = restartsBefore_ > 0;
 }
@@ -122,7 +132,7 @@ Expected<void> HostHardware::resetUsb() {
 }
 
 Expected<void> HostHardware::endService(ServiceEnd end) {
-    const std::string count = std::to_string(restartsBefore_ + 1) + "\n";
+    const std::string count = std::to_string(end == ServiceEnd::reboot ? kRebootDue : restartsBefore_ + 1) + "\n";
     const Expected<void> written = hal::writeBytes(countFile_, std::as_bytes(std::span(count)));
     // Without the count there would be no end to restarting.
     if (!written) return written.error();

@@ -18,7 +18,9 @@ namespace cheval::daemon {
 enum class ServiceEnd : std::uint8_t {
     stopped,  ///< Somebody asked for it.
     restart,  ///< To be started anew by systemd, in the hope that it helps the sensor.
-    reboot,   ///< The machine is to be started anew.
+    /// The machine is to be started anew: by this process and its successors ending at once, until systemd's restart
+    /// limit takes the action that it was given (systemd/cheval.service).
+    reboot,
 };
 
 struct HostHardwareOptions {
@@ -31,6 +33,9 @@ struct HostHardwareOptions {
 
 /// From $RUNTIME_DIRECTORY and $NOTIFY_SOCKET, and where the programs are.
 HostHardwareOptions hostHardwareOptions();
+
+/// A daemon before this one asked for a reboot, which has not come yet.
+bool rebootIsDue(const HostHardwareOptions& options);
 
 /// Thread-bound to the frame loop, but for end(), which any thread may call. Takes no memory while the sensor is well.
 class HostHardware final : public RecoveryHardware {

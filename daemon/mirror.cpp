@@ -5,6 +5,7 @@
 
 #include "daemon/hud_writer.h"
 #include "daemon/log.h"
+#include "daemon/message_ids.h"
 #include "daemon/room_options.h"
 #include "fitting/tracking/cloud.h"
 
@@ -126,7 +127,8 @@ CameraNext Mirror::takeFrame() {
     if (supervisor_.fault().has_value() != faulty_) {
         faulty_ = supervisor_.fault().has_value();
         faultText_ = faulty_ ? serviceText(*supervisor_.fault()) : "";
-        if (faulty_ && !parts_.runToTheEnd) log(Severity::warning, supervisor_.fault()->message());
+        if (faulty_ && !parts_.runToTheEnd)
+            log(Severity::warning, supervisor_.fault()->message(), message::kSensorLost);
     }
     return next;
 }
@@ -210,8 +212,12 @@ void Mirror::afterLoop(hal::Duration taken, bool haveFrame) {
 void Mirror::afterPicture(const Expected<hal::Duration>& shown) {
     if (!shown) {
         const std::string fault = serviceText(shown.error());
+        // A screen that is away, or busy, is no renderer that hangs; one that cannot draw is as good as one.
+        const ErrorCode code = shown.error().code;
+        const bool screenIsAway = code == ErrorCode::unavailable || code == ErrorCode::timedOut;
         const std::lock_guard lock(shared_);
         status_.displayFault.assign(fault);
+        if (screenIsAway) ++status_.drawTurns;
         return;
     }
     renderTime_.store(shown.value().count(), std::memory_order_relaxed);
@@ -224,6 +230,7 @@ void Mirror::afterPicture(const Expected<hal::Duration>& shown) {
     status_.renderTime = shown.value();
     status_.displayFault.assign("");
     status_.pictures = ++picturesShown_;
+    ++status_.drawTurns;
     status_.framesPerSecond = rate_;
     renderRowCount_ = copyRows(pictures_->scheduler(), "renderer, whole frame", renderRows_);
 }
@@ -278,7 +285,7 @@ void Mirror::runRenderer(std::promise<Expected<void>> standing) {
         }
         const Expected<hal::Duration> shown = pictures_->show(packets_.front());
         // Told when it begins and when it is over, not thirty times a second.
-        if (!shown && !failing) log(Severity::error, shown.error().message());
+        if (!shown && !failing) log(Severity::error, shown.error().message(), message::kPictureNotShown);
         failing = !shown;
         afterPicture(shown);
     }

@@ -62,7 +62,8 @@ struct MirrorStatus {
     std::uint64_t frames = 0;
     std::uint64_t pictures = 0;
     std::uint64_t visits = 0;
-    std::uint64_t openings = 0;  ///< Of the camera.
+    std::uint64_t drawTurns = 0;  ///< Pictures, and those that only an absent screen kept from being shown.
+    std::uint64_t openings = 0;   ///< Of the camera.
     /// How often each rung of the sensor's recovery was taken, by RecoveryRung.
     std::array<std::uint64_t, kRecoveryRungCount> recovery{};
 };

@@ -11,15 +11,15 @@
 #include "daemon/host_hardware.h"
 #include "daemon/hud_writer.h"
 #include "daemon/log.h"
+#include "daemon/message_ids.h"
 #include "daemon/room_options.h"
 #include "daemon/service_control.h"
+#include "daemon/service_manager.h"
 #include "daemon/status_line.h"
 
 namespace cheval::daemon {
 
 namespace {
-
-constexpr std::timespec kStatusEvery{.tv_sec = 0, .tv_nsec = 500'000'000};
 
 sigset_t awaitedSignals() {
     sigset_t signals;
@@ -74,7 +74,7 @@ class Running {
     Running(const config::Settings& settings, hal::Clock& clock)
         : wardrobe_(loadWardrobe(wardrobeOptions(settings))), source_(makeFrameSource(settings, clock)) {
         for (const Error& refusal : wardrobe_.refusals)
-            log(Severity::warning, refusal.message());
+            log(Severity::warning, refusal.message(), message::kGarmentRefused);
         // Only a real sensor has a place on the bus.
         if (settings.sensor.source == config::SensorSource::openni)
             hardware_ = std::make_unique<HostHardware>(hostHardwareOptions(), clock);
@@ -107,6 +107,7 @@ class Service {
     }
 
     void reload() {
+        manager_.reloading();
         config::LoadedSettings loaded = load();
         if (!loaded.good()) {
             log(Severity::error, "the settings are refused; the last good ones stay in force");
@@ -132,6 +133,7 @@ class Service {
         if (running_ == nullptr) return;
         const MirrorStatus status = running_->mirror().status();
         screen_->setStatus(statusLine(status));
+        manager_.report(status, problem_);
         control_->report({.mirror = running_->mirror(),
                           .wardrobe = running_->wardrobe(),
                           .settings = settings_,
@@ -141,17 +143,19 @@ class Service {
     }
     /// Why it ends, where it was not asked to.
     ServiceEnd end() {
+        manager_.stopping();
         const ServiceEnd end = running_->end();
         running_.reset();
         return end;
     }
+    [[nodiscard]] ServiceManager& manager() { return manager_; }
 
   private:
     config::LoadedSettings load() {
         config::LoadedSettings loaded = config::loadSettings(options_.settings);
         problem_.clear();
         for (const Error& problem : loaded.problems)
-            log(Severity::error, problem.message());
+            log(Severity::error, problem.message(), message::kSettingsRefused);
         if (!loaded.good()) problem_ = serviceText(loaded.problems.front());
         return loaded;
     }
@@ -184,6 +188,7 @@ class Service {
 
     const ServiceOptions& options_;
     hal::SteadyClock clock_;
+    ServiceManager manager_ = ServiceManager::ofThisProcess(clock_);
     config::Settings settings_;
     std::string problem_;
     std::unique_ptr<ServiceControl> control_;
@@ -199,20 +204,27 @@ void blockSignals() {
 }
 
 Expected<ServiceEnd> runService(const ServiceOptions& options) {
+    if (rebootIsDue(hostHardwareOptions())) return ServiceEnd::reboot;
     Service service(options);
     Expected<void> begun = service.begin();
-    if (!begun) return std::move(begun).error();
+    if (!begun) {
+        service.manager().failed(begun.error());
+        return std::move(begun).error();
+    }
     const sigset_t signals = awaitedSignals();
     while (service.running()) {
-        const int signal = sigtimedwait(&signals, nullptr, &kStatusEvery);
+        const std::timespec pause{.tv_sec = 0, .tv_nsec = service.manager().pause().count()};
+        const int signal = sigtimedwait(&signals, nullptr, &pause);
         if (signal == SIGTERM || signal == SIGINT) break;
         if (signal == SIGHUP) service.reload();
         service.report();
     }
     if (!service.running()) {
-        return Error{.code = ErrorCode::unavailable,
-                     .cause = "the mirror could not be lit again",
-                     .mend = "read the messages before this one"};
+        const Error error{.code = ErrorCode::unavailable,
+                          .cause = "the mirror could not be lit again",
+                          .mend = "read the messages before this one"};
+        service.manager().failed(error);
+        return error;
     }
     return service.end();
 }

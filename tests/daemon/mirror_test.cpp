@@ -58,14 +58,16 @@ class TestButtons final : public hal::Buttons {
 
 /// A mirror in one thread, on virtual time.
 class MirrorTest : public testing::Test {
+  public:
+    ~MirrorTest() override {
+        mirror_.reset();
+        display_->close();
+    }
+
   protected:
     explicit MirrorTest(config::Settings settings = smallSettings())
         : settings_(std::move(settings)), display_(hal::makeHeadlessDisplay({.mode = displayMode(settings_)})) {
         EXPECT_TRUE(display_->open());
-    }
-    ~MirrorTest() override {
-        mirror_.reset();
-        display_->close();
     }
 
     Mirror& light(CameraFactory camera) {
@@ -234,6 +236,10 @@ TEST_F(MirrorTest, staysLitWhenThereIsNoCameraAtAll) {
     EXPECT_EQ(screens_.back(), render::Screen::service);
     EXPECT_THAT(service_, testing::HasSubstr("there is no sensor.json"));
     EXPECT_THAT(service_, testing::HasSubstr("write one"));
+    const MirrorStatus status = mirror.status();
+    EXPECT_EQ(status.frames, 0U);
+    EXPECT_EQ(status.turns, 50U) << "the loop lives without a camera";
+    EXPECT_EQ(status.drawTurns, 50U);
 }
 
 TEST_F(MirrorTest, staysLitWhenTheRecordingEnds) {
@@ -405,6 +411,61 @@ TEST_F(MirrorTest, runsAsTwoThreadsAndStops) {
     EXPECT_GE((*mirror)->status().pictures, 5U);
     EXPECT_FALSE((*mirror)->rendererDescription().empty());
     EXPECT_GT((*mirror)->statistics().size(), PictureMaker::tasks().size());
+}
+
+/// Lends nothing, and says so when it has been asked for the fifth time.
+class AbsentDisplay final : public hal::Display {
+  public:
+    explicit AbsentDisplay(ErrorCode code) : code_(code) {}
+    Expected<hal::DisplayMode> open() override { return hal::DisplayMode{}; }
+    void close() override {}
+    Expected<hal::DisplayBuffer> lend(hal::Duration) override {
+        if (++asked_ == 5) enough_.raise();
+        return Error{.code = code_, .cause = "there is no picture to be had"};
+    }
+    Expected<void> present(const hal::DisplayBuffer&, hal::TimePoint) override { return {}; }
+    [[nodiscard]] hal::DisplayStatistics statistics() const override { return {}; }
+    [[nodiscard]] hal::Interrupt& enough() { return enough_; }
+
+  private:
+    ErrorCode code_;
+    int asked_ = 0;
+    hal::Interrupt enough_;
+};
+
+/// What the watchdog is told after five pictures failed in this way.
+MirrorStatus afterFailedPictures(ErrorCode code) {
+    const config::Settings settings = smallSettings();
+    const Wardrobe wardrobe = loadWardrobe(wardrobeOptions(settings));
+    CameraScript script{.steps = {Does::frame}};
+    hal::SteadyClock clock;
+    AbsentDisplay display(code);
+    Expected<std::unique_ptr<Mirror>> mirror = Mirror::create(
+        settings, {.camera = [&]() -> Expected<std::unique_ptr<hal::DepthCamera>> {
+                       return std::unique_ptr<hal::DepthCamera>(std::make_unique<FakeCamera>(script, clock));
+                   },
+                   .display = &display,
+                   .mode = displayMode(settings),
+                   .clock = &clock,
+                   .cost = &clock,
+                   .wardrobe = &wardrobe});
+    EXPECT_TRUE(mirror);
+    EXPECT_TRUE((*mirror)->start());
+    EXPECT_FALSE(clock.waitUntil(clock.now() + std::chrono::minutes(2), display.enough()));
+    (*mirror)->stop();
+    return (*mirror)->status();
+}
+
+TEST(MirrorProgress, countsARendererWhoseScreenIsAwayAsAlive) {
+    const MirrorStatus status = afterFailedPictures(ErrorCode::unavailable);
+    EXPECT_EQ(status.pictures, 0U);
+    EXPECT_GE(status.drawTurns, 5U);
+}
+
+TEST(MirrorProgress, doesNotCountARendererThatCannotDraw) {
+    const MirrorStatus status = afterFailedPictures(ErrorCode::internal);
+    EXPECT_GE(status.turns, 1U);
+    EXPECT_EQ(status.drawTurns, 0U);
 }
 
 }  // namespace
