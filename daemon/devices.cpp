@@ -67,4 +67,9 @@ FrameSource makeFrameSource(const config::Settings& settings, hal::Clock& clock)
             .buttons = hal::sim::makeSimulatedButtons(world, clock)};
 }
 
+std::unique_ptr<hal::Buttons> makeButtons(const config::Settings& settings, const hal::Clock& clock) {
+    if (settings.buttons.source != config::ButtonSource::gpio) return nullptr;
+    return hal::makeGpiodButtons(gpiodButtonsOptions(settings), hal::makeGpiodLines(), clock);
+}
+
 }  // namespace cheval::daemon

@@ -56,4 +56,7 @@ struct FrameSource {
 /// Nothing is opened yet: what does not work turns up when the factory is called, and again at each retry.
 FrameSource makeFrameSource(const config::Settings& settings, hal::Clock& clock);
 
+/// The push buttons of the settings; null where there are none by design.
+std::unique_ptr<hal::Buttons> makeButtons(const config::Settings& settings, const hal::Clock& clock);
+
 }  // namespace cheval::daemon

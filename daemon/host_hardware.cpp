@@ -14,6 +14,7 @@
 
 #include "config/shipped_files.h"
 #include "daemon/log.h"
+#include "daemon/room_options.h"
 #include "hal/png/png.h"
 
 namespace cheval::daemon {
@@ -46,10 +47,11 @@ std::uint32_t readCount(const std::string& file) {
 
 }  // namespace
 
-HostHardwareOptions hostHardwareOptions() {
+HostHardwareOptions hostHardwareOptions(const config::Settings& settings) {
     HostHardwareOptions options{.resetProgram = config::shippedPath("lib/cheval/cheval-usb-reset"),
                                 .runtimeFolder = environmentValue("RUNTIME_DIRECTORY"),
-                                .supervised = !environmentValue("NOTIFY_SOCKET").empty()};
+                                .supervised = !environmentValue("NOTIFY_SOCKET").empty(),
+                                .power = powerLineOptions(settings)};
     if (options.resetProgram.empty()) options.resetProgram = config::shippedPath("bin/cheval-usb-reset");
     return options;
 }
@@ -58,13 +60,19 @@ bool rebootIsDue(const HostHardwareOptions& options) {
     return options.supervised && readCount(countFileIn(options.runtimeFolder)) >= kRebootDue;
 }
 
-HostHardware::HostHardware(HostHardwareOptions options, const hal::Clock& clock)
+HostHardware::HostHardware(HostHardwareOptions options, const hal::Clock& clock,
+                           std::unique_ptr<hal::LineProvider> lines)
     : options_(std::move(options)), clock_(clock) {
     Expected<std::unique_ptr<hal::UsbWatcher>> watcher = hal::UsbWatcher::start();
     if (watcher) {
         watcher_ = std::move(*watcher);
     } else {
         log(Severity::notice, watcher.error().message());
+    }
+    if (!options_.power.line.line.empty()) {
+        power_.emplace(options_.power, lines != nullptr ? std::move(lines) : hal::makeGpiodLines(), clock_);
+        const Expected<void> held = power_->hold();
+        if (!held) log(Severity::warning, held.error().message());
     }
     countFile_ = countFileIn(options_.runtimeFolder);
     restartsBefore_ = readCount(countFile_);
@@ -84,7 +92,7 @@ bool HostHardware::available(RecoveryRung rung) const {
         case RecoveryRung::resetUsb:
             return sensorPluggedIn();
         case RecoveryRung::powerCycle:
-            return false;
+            return power_.has_value();
         case RecoveryRung::restartDaemon:
         case RecoveryRung::reboot:
             // A sensor that is not there comes back by being plugged in, not by a dark mirror.
@@ -102,6 +110,9 @@ Expected<void> HostHardware::perform(RecoveryRung rung) {
     switch (rung) {
         case RecoveryRung::resetUsb:
             return resetUsb();
+        case RecoveryRung::powerCycle:
+            if (power_) return power_->cycle();
+            break;
         case RecoveryRung::restartDaemon:
             return endService(ServiceEnd::restart);
         case RecoveryRung::reboot:

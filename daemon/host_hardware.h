@@ -7,8 +7,10 @@
 #include <optional>
 #include <string>
 
+#include "config/settings.h"
 #include "daemon/recovery.h"
 #include "hal/clock.h"
+#include "hal/gpiod/power_line.h"
 #include "hal/usb/usb_reset.h"
 #include "hal/usb/usb_watcher.h"
 
@@ -28,11 +30,12 @@ struct HostHardwareOptions {
     /// Where the count of restarts is kept over restarts of the daemon, not of the machine; empty: nowhere, and the
     /// daemon is never restarted.
     std::string runtimeFolder;
-    bool supervised = false;  ///< A service manager starts the daemon again.
+    bool supervised = false;      ///< A service manager starts the daemon again.
+    hal::PowerLineOptions power;  ///< Without a line there is none.
 };
 
-/// From $RUNTIME_DIRECTORY and $NOTIFY_SOCKET, and where the programs are.
-HostHardwareOptions hostHardwareOptions();
+/// From the settings, $RUNTIME_DIRECTORY and $NOTIFY_SOCKET, and where the programs are.
+HostHardwareOptions hostHardwareOptions(const config::Settings& settings);
 
 /// A daemon before this one asked for a reboot, which has not come yet.
 bool rebootIsDue(const HostHardwareOptions& options);
@@ -40,7 +43,9 @@ bool rebootIsDue(const HostHardwareOptions& options);
 /// Thread-bound to the frame loop, but for end(), which any thread may call. Takes no memory while the sensor is well.
 class HostHardware final : public RecoveryHardware {
   public:
-    HostHardware(HostHardwareOptions options, const hal::Clock& clock);
+    /// `lines`: where the power line comes from; null: the kernel's.
+    HostHardware(HostHardwareOptions options, const hal::Clock& clock,
+                 std::unique_ptr<hal::LineProvider> lines = nullptr);
     ~HostHardware() override;
 
     [[nodiscard]] bool available(RecoveryRung rung) const override;
@@ -61,6 +66,7 @@ class HostHardware final : public RecoveryHardware {
     const hal::Clock& clock_;
     std::unique_ptr<hal::UsbWatcher> watcher_;  ///< Null: the USB cannot be watched.
     std::optional<hal::UsbReset> reset_;
+    std::optional<hal::PowerLine> power_;
     hal::TimePoint nextPoll_{};
     std::uint32_t restartsBefore_ = 0;
     std::string countFile_;  ///< Empty: there is none.

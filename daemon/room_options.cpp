@@ -1,6 +1,8 @@
 #include "daemon/room_options.h"
 
+#include <array>
 #include <filesystem>
+#include <utility>
 
 #include "config/shipped_files.h"
 
@@ -112,6 +114,33 @@ hal::ProcessCameraOptions sensorProcessOptions(const config::Settings& settings,
         options.arguments = {"--device", settings.sensor.device};
     }
     return options;
+}
+
+hal::GpiodButtonsOptions gpiodButtonsOptions(const config::Settings& settings) {
+    const auto& buttons = settings.buttons;
+    hal::GpiodButtonsOptions options{.times = {.debounce = std::chrono::milliseconds(buttons.debounceMs),
+                                               .longPress = std::chrono::milliseconds(buttons.longPressMs),
+                                               .stuck = hal::fromSeconds(buttons.stuckSeconds)}};
+    const std::array<std::pair<hal::Button, const std::string*>, 5> lines = {
+        {{hal::Button::next, &buttons.next},
+         {hal::Button::previous, &buttons.previous},
+         {hal::Button::view, &buttons.view},
+         {hal::Button::service, &buttons.service},
+         {hal::Button::wake, &buttons.wake}}};
+    for (const auto& [button, line] : lines) {
+        if (line->empty()) continue;
+        options.wirings.push_back({.button = button,
+                                   .line = {.chip = buttons.chip,
+                                            .line = *line,
+                                            .activeLow = buttons.activeLow,
+                                            .bias = static_cast<hal::LineBias>(buttons.bias)}});
+    }
+    return options;
+}
+
+hal::PowerLineOptions powerLineOptions(const config::Settings& settings) {
+    return {.line = {.chip = settings.power.chip, .line = settings.power.line, .activeLow = settings.power.activeLow},
+            .off = std::chrono::milliseconds(settings.power.offMs)};
 }
 
 bool isOniFile(const std::string& path) {

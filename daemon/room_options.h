@@ -12,6 +12,8 @@
 #include "fitting/tracking/tracker.h"
 #include "hal/display.h"
 #include "hal/frame.h"
+#include "hal/gpiod/gpiod_buttons.h"
+#include "hal/gpiod/power_line.h"
 #include "hal/preview/preview_server.h"
 #include "hal/replay/replay_camera.h"
 #include "hal/sensor_process/process_camera.h"
@@ -39,6 +41,8 @@ hal::ReplayOptions replayOptions(const config::Settings& settings);
 /// What cheval-sensor is to open: the settings' device, or, where `recording` is not empty, that .oni file. An opening
 /// is waited for in parts short enough for the frame loop.
 hal::ProcessCameraOptions sensorProcessOptions(const config::Settings& settings, const std::string& recording);
+hal::GpiodButtonsOptions gpiodButtonsOptions(const config::Settings& settings);
+hal::PowerLineOptions powerLineOptions(const config::Settings& settings);
 /// A recording that OpenNI2 plays and hal/replay does not.
 bool isOniFile(const std::string& path);
 

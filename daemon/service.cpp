@@ -45,6 +45,7 @@ class Running {
                           .cost = &clock,
                           .wardrobe = &running->wardrobe_};
         if (running->source_.buttons != nullptr) parts.buttons.push_back(running->source_.buttons.get());
+        if (running->buttons_ != nullptr) parts.buttons.push_back(running->buttons_.get());
         if (screen.buttons() != nullptr) parts.buttons.push_back(screen.buttons());
         running->haveButtons_ = !parts.buttons.empty();
         Expected<std::unique_ptr<Mirror>> mirror = Mirror::create(settings, std::move(parts));
@@ -72,16 +73,19 @@ class Running {
 
   private:
     Running(const config::Settings& settings, hal::Clock& clock)
-        : wardrobe_(loadWardrobe(wardrobeOptions(settings))), source_(makeFrameSource(settings, clock)) {
+        : wardrobe_(loadWardrobe(wardrobeOptions(settings))),
+          source_(makeFrameSource(settings, clock)),
+          buttons_(makeButtons(settings, clock)) {
         for (const Error& refusal : wardrobe_.refusals)
             log(Severity::warning, refusal.message(), message::kGarmentRefused);
         // Only a real sensor has a place on the bus.
         if (settings.sensor.source == config::SensorSource::openni)
-            hardware_ = std::make_unique<HostHardware>(hostHardwareOptions(), clock);
+            hardware_ = std::make_unique<HostHardware>(hostHardwareOptions(settings), clock);
     }
 
     Wardrobe wardrobe_;
     FrameSource source_;
+    std::unique_ptr<hal::Buttons> buttons_;
     std::unique_ptr<HostHardware> hardware_;
     bool haveButtons_ = false;
     std::unique_ptr<Mirror> mirror_;
@@ -204,7 +208,7 @@ void blockSignals() {
 }
 
 Expected<ServiceEnd> runService(const ServiceOptions& options) {
-    if (rebootIsDue(hostHardwareOptions())) return ServiceEnd::reboot;
+    if (rebootIsDue(hostHardwareOptions({}))) return ServiceEnd::reboot;
     Service service(options);
     Expected<void> begun = service.begin();
     if (!begun) {

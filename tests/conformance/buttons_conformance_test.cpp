@@ -8,8 +8,10 @@
 #include <httplib.h>
 #undef _res  // A macro of resolv.h, and a name in Eigen.
 
+#include "hal/gpiod/gpiod_buttons.h"
 #include "hal/preview/preview_server.h"
 #include "hal/sim/world.h"
+#include "tests/hal/gpiod/fake_lines.h"
 
 namespace cheval::test {
 namespace {
@@ -87,6 +89,31 @@ class SimulatedRig final : public ButtonsRig {
     std::size_t perVisit_ = 0;
 };
 
+// Pressed by edges on lines of a chip that is not there.
+class GpiodRig final : public ButtonsRig {
+  public:
+    GpiodRig() { static_cast<void>(buttons_->poll(std::span<ButtonEvent>{})); }
+    Buttons* buttons() override { return buttons_.get(); }
+    std::size_t happen(std::size_t count) override {
+        // Each a press or a release, held for longer than bounce.
+        for (std::size_t i = 0; i < count; ++i) {
+            clock_.advance(std::chrono::milliseconds(30));
+            level_ = !level_;
+            chip_->edge("NEXT", level_, clock_.now());
+        }
+        clock_.advance(std::chrono::milliseconds(30));
+        return count;
+    }
+
+  private:
+    hal::VirtualClock clock_;
+    std::shared_ptr<hal::test::FakeChip> chip_ = std::make_shared<hal::test::FakeChip>();
+    bool level_ = false;
+    std::unique_ptr<Buttons> buttons_ =
+        hal::makeGpiodButtons({.wirings = {{.button = hal::Button::next, .line = {.line = "NEXT"}}}},
+                              std::make_unique<hal::test::FakeLines>(chip_, clock_), clock_);
+};
+
 struct ButtonsBackEnd {
     std::string name;
     std::function<std::unique_ptr<ButtonsRig>()> rig;
@@ -161,6 +188,7 @@ TEST_P(ButtonsConformanceTest, NoMoreThanTheBoundWaitsAndTheNewestStay) {
 
 INSTANTIATE_TEST_SUITE_P(All, ButtonsConformanceTest,
                          testing::Values(ButtonsBackEnd{"preview", [] { return std::make_unique<PreviewRig>(); }},
+                                         ButtonsBackEnd{"gpiod", [] { return std::make_unique<GpiodRig>(); }},
                                          ButtonsBackEnd{"simulated", [] { return std::make_unique<SimulatedRig>(); }}),
                          [](const auto& test) { return test.param.name; });
 

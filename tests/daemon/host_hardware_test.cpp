@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/hal/gpiod/fake_lines.h"
 #include "tests/support/temporary_folder.h"
 
 namespace cheval::daemon {
@@ -95,6 +96,20 @@ TEST_F(HostHardwareTest, aCountThatCannotBeWrittenRestartsNothing) {
     ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().code, ErrorCode::timedOut);
     EXPECT_EQ(hardware.end(), ServiceEnd::stopped);
+}
+
+TEST_F(HostHardwareTest, switchesTheSensorsPowerWhereALineIsWired) {
+    auto chip = std::make_shared<hal::test::FakeChip>();
+    HostHardwareOptions wired = options();
+    wired.power = {.line = {.line = "POWER"}, .off = std::chrono::seconds(2)};
+    HostHardware hardware(wired, clock_, std::make_unique<hal::test::FakeLines>(chip, clock_));
+    EXPECT_TRUE(hardware.available(RecoveryRung::powerCycle));
+    Expected<void> done = hardware.perform(RecoveryRung::powerCycle);
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().code, ErrorCode::timedOut);
+    clock_.advance(std::chrono::seconds(2));
+    EXPECT_TRUE(hardware.perform(RecoveryRung::powerCycle));
+    EXPECT_EQ(chip->driven["POWER"].size(), 3U);
 }
 
 TEST_F(HostHardwareTest, aMissingResetProgramIsAnErrorThatNamesIt) {
