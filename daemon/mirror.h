@@ -38,7 +38,7 @@ struct MirrorParts {
     /// Decides what still fits into a frame; null: `clock`. One that stands still sheds nothing.
     const hal::Clock* admission = nullptr;
     const hal::Clock* cost = nullptr;    ///< Measures what tasks take.
-    const Wardrobe* wardrobe = nullptr;  ///< Its materials are read by start(), or by the first step(), alone.
+    const Wardrobe* wardrobe = nullptr;  ///< Its materials are read by start(), or the first step() that draws.
     PictureObserver observer;            ///< May be empty.
     bool runToTheEnd = false;            ///< Replay: the degrade ladder stays at the top and no frame is left out.
 };

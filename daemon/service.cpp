@@ -54,7 +54,7 @@ class Running {
         Expected<void> started = running->mirror_->start();
         if (!started) return std::move(started).error();
         // The driver has its own copy of each texture by now, and nobody else asks for them.
-        running->wardrobe_.materials = {};
+        std::vector<fitting::Material>().swap(running->wardrobe_.materials);
         log(Severity::notice, "drawing with " + running->mirror_->rendererDescription());
         return running;
     }

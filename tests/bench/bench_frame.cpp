@@ -189,7 +189,7 @@ void frame(benchmark::State& state, bool avatar) {
     state.counters["frames_dressed"] = static_cast<double>(dressed);
     const double half = std::max(1.0, static_cast<double>(steadyFrames) / 2.0);
     state.counters["loop_allocations_per_frame"] = static_cast<double>(loopAllocations) / half;
-    // Ours are calls of operator new; the rest is the GL driver's.
+    // Most of ours are calls of operator new; most of the rest is the GL driver's.
     state.counters["picture_allocations_per_frame"] = static_cast<double>(pictureAllocations) / half;
     state.counters["picture_allocations_by_new_per_frame"] = static_cast<double>(pictureNews) / half;
     // The pre-rendered frames are the benchmark's own.

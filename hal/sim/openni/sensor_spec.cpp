@@ -1,5 +1,6 @@
 #include "hal/sim/openni/sensor_spec.h"
 
+#include <algorithm>
 #include <charconv>
 #include <utility>
 #include <vector>
@@ -46,7 +47,7 @@ bool apply(std::string_view key, std::string_view value, SensorSpec& spec) {
 /// Another camera's first frames, kept and played over and over at its rate.
 class PreloadedCamera final : public DepthCamera {
   public:
-    PreloadedCamera(const CameraInfo& info, Clock& clock) : info_(info), clock_(clock) {}
+    PreloadedCamera(const CameraInfo& info, TimePoint zero, Clock& clock) : info_(info), zero_(zero), clock_(clock) {}
     ~PreloadedCamera() override { close(); }
     PreloadedCamera(const PreloadedCamera&) = delete;
     PreloadedCamera& operator=(const PreloadedCamera&) = delete;
@@ -59,8 +60,9 @@ class PreloadedCamera final : public DepthCamera {
   protected:
     Expected<CameraInfo> doOpen() override {
         if (pictures_.empty()) return Error{.code = ErrorCode::notFound, .cause = "there was nothing to preload"};
-        start_ = clock_.now();
-        next_ = 0;
+        const TimePoint now = clock_.now();
+        start_ = zero_ == TimePoint{} ? now : zero_;
+        next_ = static_cast<std::uint64_t>(std::max(0.0, seconds(now - start_)) * info_.framesPerSecond);
         return info_;
     }
     void doClose() override {}
@@ -96,6 +98,7 @@ class PreloadedCamera final : public DepthCamera {
     }
 
     CameraInfo info_;
+    TimePoint zero_;  ///< Of frame 0; its own zero: when it is opened.
     Clock& clock_;
     std::vector<Picture> pictures_;
     TimePoint start_{};
@@ -148,10 +151,12 @@ Expected<std::unique_ptr<DepthCamera>> makeSpecCamera(const SensorSpec& spec, st
     if (spec.preload == 0) return makePlain(spec, world, clock);
     VirtualClock virtualClock;
     std::shared_ptr<World> own;
-    auto source = makePlain(spec, own, virtualClock);
+    SensorSpec fromItsStart = spec;
+    fromItsStart.startNs = 0;
+    auto source = makePlain(fromItsStart, own, virtualClock);
     if (!source) return source;
     if (auto opened = (*source)->open(); !opened) return std::move(opened).error();
-    auto preloaded = std::make_unique<PreloadedCamera>((*source)->info(), clock);
+    auto preloaded = std::make_unique<PreloadedCamera>((*source)->info(), TimePoint(Duration(spec.startNs)), clock);
     DepthFrame frame;
     for (std::uint64_t i = 0;
          i < spec.preload && (*source)->waitFrame(std::chrono::hours(1), frame) == FrameStatus::frame; ++i)
