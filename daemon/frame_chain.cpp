@@ -248,7 +248,8 @@ void FrameChain::handOver() {
     packet.hasPicture = input_->frame != nullptr;
     packet.captureTime = input_->time;
     packet.renderScale = input_->renderScale;
-    packet.view = session_.avatarView() ? render::View::avatar : render::View::mirror;
+    // Without a picture of the shop the mannequin's stage is what can be shown.
+    packet.view = session_.avatarView() || input_->away ? render::View::avatar : render::View::mirror;
     packet.skeleton = {};
     packet.userLabel = 0;
     if (input_->frame != nullptr) {
@@ -277,6 +278,7 @@ void FrameChain::handOver() {
               .displayWidth = displayWidth_,
               .displayHeight = displayHeight_,
               .fault = input_->fault,
+              .away = input_->away,
               .notice = input_->notice,
               .showNotice = input_->showNotice},
              packet.hud);

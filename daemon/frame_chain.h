@@ -43,7 +43,8 @@ struct ChainInput {
     hal::TimePoint started{};                ///< Admission clock: when the frame's time began to run.
     std::span<hal::Buttons* const> buttons;
     RemoteCommands* commands = nullptr;  ///< Null: nobody can send any.
-    std::string_view fault;              ///< Why there are no frames.
+    std::string_view fault;              ///< Why there are no frames, if people are to be told.
+    bool away = false;                   ///< There were frames, and for a moment there are none.
     std::string_view notice;             ///< For the service screen …
     bool showNotice = false;             ///< … which opens for it, unless a shopper is being dressed.
     float renderScale = 1.0F;

@@ -41,6 +41,7 @@ render::HandCursor cursorOf(const fitting::Hand& hand, const HudSources& sources
 
 render::Screen screenOf(const HudSources& sources) {
     if (sources.session->serviceScreen() || !sources.fault.empty()) return render::Screen::service;
+    if (sources.away) return render::Screen::attract;
     switch (sources.session->state()) {
         case SessionState::idle:
             return sources.showNotice ? render::Screen::service : render::Screen::attract;
@@ -92,7 +93,8 @@ void writeCarousel(const Wardrobe& wardrobe, render::HudState& hud) {
 void writeHud(const HudSources& sources, render::HudState& hud) {
     hud.screen = screenOf(sources);
     hud.carouselSelected = sources.session->outfit();
-    hud.prompt.assign(promptOf(sources.session->state()));
+    hud.prompt.assign(sources.away ? std::string_view("One moment, the mirror will be back")
+                                   : promptOf(sources.session->state()));
     hud.advice.assign("");
     join(sources.fault, sources.notice, hud.service);
     if (hud.service.length == 0) hud.service.assign("All is well.");

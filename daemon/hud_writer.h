@@ -25,7 +25,8 @@ struct HudSources {
     const render::MirrorMapping* mapping = nullptr;  ///< From the sensor's picture to the display.
     int displayWidth = 1080;
     int displayHeight = 1920;
-    std::string_view fault;   ///< Why there are no frames; empty: there are.
+    std::string_view fault;   ///< Why there are no frames; empty: there are, or people need not be told.
+    bool away = false;        ///< For a moment there are none.
     std::string_view notice;  ///< What a technician should know besides (refused settings, refused garments).
     bool showNotice = false;  ///< Opens the service screen while nobody is being dressed.
 };

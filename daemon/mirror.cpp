@@ -19,9 +19,10 @@ using std::chrono::milliseconds;
 /// one.
 constexpr hal::Duration kRedrawAfter = milliseconds(250);
 /// A sensor that is brought back sooner disturbs nobody: the last picture stays, then the shopper is found where they
-/// were. Only later does the service screen say what is wrong.
-constexpr hal::Duration kPictureStays = std::chrono::seconds(1);
-constexpr hal::Duration kFaultStaysQuiet = std::chrono::seconds(3);
+/// were, and is the same person.
+constexpr hal::Duration kPictureStays = std::chrono::seconds(3);
+/// Until then shoppers are asked for a moment's patience; after it the service screen says what is wrong.
+constexpr hal::Duration kReasonAfter = std::chrono::minutes(1);
 /// Long enough to read a new notice, and to fetch somebody who should.
 constexpr hal::Duration kNoticeShown = std::chrono::seconds(8);
 
@@ -121,7 +122,7 @@ CameraNext Mirror::takeFrame() {
     // stands still is found at once. After a short outage it is the same person too, with their measurements.
     if (supervisor_.resumed() && !otherCamera_) {
         frame_.restart = false;
-        if (supervisor_.outage() >= kFaultStaysQuiet) chain_->personMayHaveChanged();
+        if (supervisor_.outage() >= kPictureStays) chain_->personMayHaveChanged();
     }
     if (next == CameraNext::frame) otherCamera_ = false;
     if (supervisor_.fault().has_value() != faulty_) {
@@ -133,11 +134,9 @@ CameraNext Mirror::takeFrame() {
     return next;
 }
 
-std::string_view Mirror::shownFault() const {
-    // The end of a recording is no outage, and before the first frame there was no picture to keep.
-    const bool brief =
-        supervisor_.state() != CameraState::ended && supervisor_.anyFrame() && supervisor_.silence() < kFaultStaysQuiet;
-    return brief ? std::string_view() : faultText_;
+bool Mirror::patience() const {
+    // The end of a recording is no outage, and before the first frame there was nothing to come back.
+    return supervisor_.state() != CameraState::ended && supervisor_.anyFrame() && supervisor_.silence() < kReasonAfter;
 }
 
 bool Mirror::tooSoon(const hal::DepthFrame& frame) {
@@ -166,16 +165,18 @@ void Mirror::turn(bool haveFrame, FramePacket& packet) {
         noticeWaits_ = false;
         noticeUntil_ = now + kNoticeShown;
     }
-    const hal::Duration taken = chain_->process({.frame = haveFrame ? &frame_ : nullptr,
-                                                 .time = haveFrame ? frame_.captureTime : now,
-                                                 .started = parts_.admission->now(),
-                                                 .buttons = parts_.buttons,
-                                                 .commands = parts_.commands,
-                                                 .fault = shownFault(),
-                                                 .notice = notice.view(),
-                                                 .showNotice = notice.length > 0 && now < noticeUntil_,
-                                                 .renderScale = ladder_.rung().renderScale},
-                                                packet);
+    const hal::Duration taken =
+        chain_->process({.frame = haveFrame ? &frame_ : nullptr,
+                         .time = haveFrame ? frame_.captureTime : now,
+                         .started = parts_.admission->now(),
+                         .buttons = parts_.buttons,
+                         .commands = parts_.commands,
+                         .fault = patience() ? std::string_view() : faultText_,
+                         .away = !haveFrame && patience() && supervisor_.silence() >= kPictureStays,
+                         .notice = notice.view(),
+                         .showNotice = notice.length > 0 && now < noticeUntil_,
+                         .renderScale = ladder_.rung().renderScale},
+                        packet);
     afterLoop(taken, haveFrame);
 }
 

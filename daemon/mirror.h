@@ -111,7 +111,8 @@ class Mirror {
 
     Expected<void> makePictures();
     CameraNext takeFrame();
-    [[nodiscard]] std::string_view shownFault() const;
+    /// Frames have stopped, and not for so long that people must be told why.
+    [[nodiscard]] bool patience() const;
     void turn(bool haveFrame, FramePacket& packet);
     void afterLoop(hal::Duration taken, bool haveFrame);
     void afterPicture(const Expected<hal::Duration>& shown);

@@ -66,7 +66,7 @@ struct RecoveryOptions {
     hal::Duration firstFrame = std::chrono::seconds(3);         ///< From opened to the first frame.
     hal::Duration firstPause = std::chrono::milliseconds(500);  ///< Before the second rung; doubles …
     hal::Duration longestPause = std::chrono::seconds(30);      ///< … up to this.
-    hal::Duration healthy = std::chrono::seconds(3);            ///< Frames for this long, and all is forgotten.
+    hal::Duration healthy = std::chrono::seconds(1);            ///< Frames for this long, and all is forgotten.
     hal::Duration restartAfter = std::chrono::minutes(15);      ///< Without frames, before RecoveryRung::restartDaemon.
     std::uint32_t restartsBefore = 0;              ///< How often the daemon was restarted for this already, in a row.
     RecoveryRung highest = RecoveryRung::recycle;  ///< No rung above it is ever taken.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -80,6 +81,10 @@ struct Renderer::State {
     hal::TimePoint lastTime{};  ///< Of the frame that occlusion remembers.
     std::uint32_t lastUser = 0;
     std::array<ToneCurve, 3> tones = {dimmed(1.0F), dimmed(0.5F), dimmed(0.3F)};
+    /// So that the words of a screen can be read on what is behind them.
+    [[nodiscard]] const ToneCurve& toneOf(Screen screen) const {
+        return screen == Screen::service ? tones[2] : screen == Screen::attract ? tones[1] : tones[0];
+    }
 };
 
 Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -184,9 +189,7 @@ Expected<void> Renderer::State::drawMirror(const Scene& scene, hal::ImageView<ha
         if (!grid.empty()) garments->drawDistance(view, grid.part, grid.columns, grid.rows);
     }
     // GL's threads are at work on the garments; meanwhile the picture.
-    const ToneCurve& tone = scene.hud.screen == Screen::service   ? tones[2]
-                            : scene.hud.screen == Screen::attract ? tones[1]
-                                                                  : tones[0];
+    const ToneCurve& tone = toneOf(scene.hud.screen);
     if (!camera.colour.empty()) {
         scaler.draw(mapping, camera.colour, tone, target);
     } else if (!camera.depth.empty()) {
@@ -221,6 +224,12 @@ Expected<void> Renderer::State::drawAvatar(const Scene& scene, hal::ImageView<ha
     if (!started) return std::move(started).error();
     avatar.draw(view.projection, scene.skeleton, *started, target);
     if (*started) compositor.compose(finish(), rect, {}, nullptr, target);
+    // The stage is as light as the words that stand on it.
+    const ToneCurve& tone = toneOf(scene.hud.screen);
+    for (int y = 0; &tone != tones.data() && y < target.height; ++y) {
+        for (hal::Rgba8& pixel : std::span(target.row(y), static_cast<std::size_t>(target.width)))
+            pixel = {tone[pixel.r], tone[pixel.g], tone[pixel.b], pixel.a};
+    }
     return {};
 }
 

@@ -291,8 +291,8 @@ class OpenNiCameraImplementation final : public OpenNiCamera {
             device_.setImageRegistrationMode(openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR) != openni::STATUS_OK)
             return giveUpColour("no registration of depth and colour");
         colour_.setMirroringEnabled(false);
-        // Not every device can; then pictures that belong together are found by their times.
-        device_.setDepthColorSyncEnabled(true);
+        // Pictures that belong together are found by their times: the runtime's own pairing (setDepthColorSyncEnabled) may
+        // stay one frame apart for good, and swaps frames while they are in use.
     }
 
     CameraInfo describe() {

@@ -85,6 +85,7 @@ class MirrorTest : public testing::Test {
                                        .observer = [this](const FramePacket& packet, hal::ImageView<const hal::Rgba8>) {
                                            screens_.push_back(packet.hud.screen);
                                            service_ = packet.hud.service.view();
+                                           prompt_ = packet.hud.prompt.view();
                                        }});
         EXPECT_TRUE(made);
         mirror_ = std::move(*made);
@@ -114,6 +115,7 @@ class MirrorTest : public testing::Test {
     std::unique_ptr<Mirror> mirror_;
     std::vector<render::Screen> screens_;
     std::string service_;
+    std::string prompt_;
 };
 
 TEST_F(MirrorTest, dressesTheSimulatedShopperAndChangesOnAButton) {
@@ -183,10 +185,16 @@ TEST_F(MirrorTest, takesNoHeapMemoryInTheLoopOnceItRuns) {
 
 TEST_F(MirrorTest, staysLitAndSaysWhyWhenTheCameraIsLost) {
     script_.steps = {Does::frame, Does::frame, Does::frame, Does::lose};
-    script_.steps.insert(script_.steps.end(), 5, Does::refuseToOpen);
+    script_.steps.insert(script_.steps.end(), 8, Does::refuseToOpen);
     script_.steps.push_back(Does::frame);
     Mirror& mirror = lightScript();
-    while (mirror.camera().openings() < 2 && hal::seconds(clock_.now()) < 60.0)
+    while (hal::seconds(clock_.now()) < 50.0)
+        ASSERT_TRUE(mirror.step());
+    // Shoppers are asked for patience first.
+    EXPECT_THAT(screens_, testing::Each(render::Screen::attract));
+    EXPECT_THAT(prompt_, testing::HasSubstr("One moment"));
+    EXPECT_GT(mirror.status().fault.length, 0U);
+    while (mirror.camera().openings() < 2 && hal::seconds(clock_.now()) < 200.0)
         ASSERT_TRUE(mirror.step());
     ASSERT_TRUE(mirror.step());
     EXPECT_EQ(mirror.camera().openings(), 2U);
