@@ -13,7 +13,7 @@ enum class Rotation : std::uint8_t { none, clockwise, anticlockwise };
 enum class DisplayKind : std::uint8_t { headless, preview };
 enum class ButtonSource : std::uint8_t { none, gpio };
 enum class ButtonBias : std::uint8_t { keep, off, up, down };
-enum class HighestRung : std::uint8_t { retry, stream, device, process, usb, power, daemon, machine };
+enum class HighestRung : std::uint8_t { device, process, usb, power, daemon, machine };
 enum class SwipeMeaning : std::uint8_t { carousel, arrow };
 enum class RenderContext : std::uint8_t { automatic, egl, osmesa };
 enum class BusKind : std::uint8_t { system, session, none };

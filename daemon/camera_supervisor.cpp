@@ -66,6 +66,7 @@ void CameraSupervisor::tell(RecoveryEvent event) {
     if (action != RecoveryAction::none) {
         doing_ = action;
         begun_ = false;
+        inHardware_ = false;
     } else if (machine_.state() != RecoveryState::opening) {
         doing_ = RecoveryAction::none;
     }
@@ -112,12 +113,15 @@ void CameraSupervisor::performHardware(RecoveryRung rung) {
     if (!begun_) {
         // A handle on a device that enumerates anew is a stale one.
         release();
+        inHardware_ = true;
         Expected<void> done = options_.hardware->perform(rung);
         if (!done) {
             if (done.error().code != ErrorCode::timedOut) refuse(std::move(done).error());
             return;
         }
         begun_ = true;
+        inHardware_ = false;
+        tell(RecoveryEvent::prepared);
     }
     open();
 }
@@ -125,7 +129,7 @@ void CameraSupervisor::performHardware(RecoveryRung rung) {
 void CameraSupervisor::perform(RecoveryRung rung) {
     switch (rung) {
         case RecoveryRung::retryRead:
-            return;
+            return tell(RecoveryEvent::opened);
         case RecoveryRung::restartStream: {
             Expected<void> restarted = camera_ != nullptr ? camera_->restartStream() : Expected<void>();
             if (camera_ == nullptr || !restarted) return tell(RecoveryEvent::refused);
@@ -164,12 +168,20 @@ CameraNext CameraSupervisor::next(hal::DepthFrame& frame) {
     if (machine_.state() == RecoveryState::ended) return pause(options_.longestWait);
     if (machine_.state() == RecoveryState::closed) tell(RecoveryEvent::begin);
     checkArrivals();
-    if (clock_.now() >= machine_.deadline()) tell(RecoveryEvent::timer);
+    if (clock_.now() >= machine_.deadline()) {
+        if (machine_.state() == RecoveryState::opening) {
+            fault_ = Error{.code = ErrorCode::timedOut,
+                           .cause = "the camera does not open in time",
+                           .mend = kByItself,
+                           .why = "an opening that takes so long hangs"};
+        }
+        tell(RecoveryEvent::timer);
+    }
     if (doing_ == RecoveryAction::open) open();
     if (doing_ == RecoveryAction::perform) perform(machine_.rung());
     if (stopping_.raised()) return CameraNext::stopped;
     // A camera that is being opened has waited in open(); what comes next is not to be kept waiting.
-    if (doing_ != RecoveryAction::none) return pause(kBetweenTries);
+    if (doing_ != RecoveryAction::none) return pause(inHardware_ ? options_.longestWait : kBetweenTries);
     if (camera_ != nullptr && camera_->isOpen()) return wait(frame);
     return pause(options_.longestWait);
 }
@@ -194,7 +206,8 @@ CameraNext CameraSupervisor::take(hal::FrameStatus status, hal::DepthFrame& fram
             if (options_.hardware != nullptr && machine_.healthy()) options_.hardware->healthy();
             return CameraNext::frame;
         case hal::FrameStatus::timedOut:
-            if (machine_.state() == RecoveryState::doubtful && clock_.now() >= machine_.deadline()) {
+            if ((machine_.state() == RecoveryState::doubtful || machine_.state() == RecoveryState::unproven) &&
+                clock_.now() >= machine_.deadline()) {
                 fault_ = Error{.code = ErrorCode::timedOut,
                                .cause = "the camera \"" + info_.name + "\" is open but sends no frames",
                                .mend = kByItself,

@@ -86,6 +86,7 @@ class CameraSupervisor {
     std::unique_ptr<hal::DepthCamera> camera_;
     hal::Interrupt stopping_;
     RecoveryAction doing_ = RecoveryAction::none;  ///< Begun, and to be gone on with.
+    bool inHardware_ = false;                      ///< A rung above recycle is at work.
     bool begun_ = false;                           ///< The rung's own part is done; opening the camera follows.
     std::optional<Error> fault_;
     hal::CameraInfo info_;

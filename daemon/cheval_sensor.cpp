@@ -45,6 +45,7 @@ int run(int argc, char** argv) {
                     "cheval-sensor is started by chevald. Mend: run chevald with sensor.source = \"openni\"");
         return kUsage;
     }
+    hal::endWithTheOtherSide();
     Expected<std::unique_ptr<hal::OpenNiCamera>> camera = hal::makeOpenNiCamera(options);
     if (!camera) {
         daemon::log(Severity::error, camera.error().message());

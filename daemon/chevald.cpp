@@ -24,6 +24,7 @@ constexpr int kGood = 0;
 constexpr int kFailed = 1;
 constexpr int kUsage = 2;
 constexpr int kBadSettings = 3;
+constexpr int kConflict = 4;
 // What systemd/cheval.service acts upon.
 constexpr int kRestart = 75;
 constexpr int kReboot = 76;
@@ -31,8 +32,9 @@ constexpr int kReboot = 76;
 constexpr const char* kFooter =
     "Exit status: 0 all went well; 1 the mirror could not be lit, or the visit of --once failed; 2 the command line "
     "is\n"
-    "wrong; 3 the settings are refused (--check-config, --once); 75 the sensor needs the daemon started anew; 76 it\n"
-    "needs the machine started anew.\n"
+    "wrong; 3 the settings are refused (--check-config, --once); 4 another mirror runs, or the preview's port is "
+    "taken;\n"
+    "75 the sensor needs the daemon started anew; 76 it needs the machine started anew.\n"
     "Signals: SIGTERM and SIGINT end it within a second; SIGHUP reads the settings again.";
 
 /// One line that is written over and over on a terminal, and line after line elsewhere.
@@ -91,7 +93,7 @@ int serve(const config::LoadOptions& options, bool statusLine) {
         }
     }
     daemon::log(Severity::error, ended.error().message(), daemon::message::kNotLit);
-    return kFailed;
+    return ended.error().code == ErrorCode::conflict ? kConflict : kFailed;
 }
 
 int run(int argc, char** argv) {

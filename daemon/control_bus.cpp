@@ -348,7 +348,7 @@ Expected<std::unique_ptr<ControlBus>> ControlBus::start(const ControlBusOptions&
     if (core.firstTry == Core::FirstTry::taken) {
         lock.unlock();
         return Error{
-            .code = ErrorCode::unavailable,
+            .code = ErrorCode::conflict,
             .cause = std::string("another mirror owns ") + kName + " on the " + std::string(busName(options.kind)),
             .mend = "end it first (systemctl stop cheval), or set bus.kind to another bus or to \"none\"",
             .why = "two would fight over the sensor, the display and the buttons"};

@@ -44,8 +44,9 @@ bool Screen::same(const config::Settings& a, const config::Settings& b) {
 FrameSource makeFrameSource(const config::Settings& settings, hal::Clock& clock) {
     const bool replay = settings.sensor.source == config::SensorSource::replay;
     if (settings.sensor.source == config::SensorSource::openni || (replay && isOniFile(settings.sensor.folder))) {
-        const hal::ProcessCameraOptions options =
+        hal::ProcessCameraOptions options =
             sensorProcessOptions(settings, replay ? settings.sensor.folder : std::string());
+        options.loop = replay && settings.sensor.loop;
         return {.camera = [options, &clock]() -> Expected<std::unique_ptr<hal::DepthCamera>> {
             return std::unique_ptr<hal::DepthCamera>(hal::makeProcessCamera(options, clock));
         }};

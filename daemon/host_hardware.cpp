@@ -143,6 +143,7 @@ Expected<void> HostHardware::resetUsb() {
 }
 
 Expected<void> HostHardware::endService(ServiceEnd end) {
+    if (this->end() != ServiceEnd::stopped) return Error{.code = ErrorCode::timedOut, .cause = "the daemon ends"};
     const std::string count = std::to_string(end == ServiceEnd::reboot ? kRebootDue : restartsBefore_ + 1) + "\n";
     const Expected<void> written = hal::writeBytes(countFile_, std::as_bytes(std::span(count)));
     // Without the count there would be no end to restarting.

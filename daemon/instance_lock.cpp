@@ -56,7 +56,7 @@ Expected<InstanceLock> InstanceLock::take() {
     if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
         const std::string who = holder(descriptor);
         close(descriptor);
-        return Error{.code = ErrorCode::unavailable,
+        return Error{.code = ErrorCode::conflict,
                      .cause = "another mirror runs on this machine (" + who + ")",
                      .mend = "end it first (systemctl stop cheval), or give this one a runtime folder of its own",
                      .why = "two would fight over the sensor, the display and the buttons",

@@ -125,9 +125,11 @@ CameraNext Mirror::takeFrame() {
         if (supervisor_.outage() >= kPictureStays) chain_->personMayHaveChanged();
     }
     if (next == CameraNext::frame) otherCamera_ = false;
-    if (supervisor_.fault().has_value() != faulty_) {
-        faulty_ = supervisor_.fault().has_value();
-        faultText_ = faulty_ ? serviceText(*supervisor_.fault()) : "";
+    const bool faulty = supervisor_.fault().has_value();
+    if (faulty != faulty_ || (faulty && supervisor_.fault()->cause != faultCause_)) {
+        faulty_ = faulty;
+        faultCause_ = faulty ? supervisor_.fault()->cause : "";
+        faultText_ = faulty ? serviceText(*supervisor_.fault()) : "";
         if (faulty_ && !parts_.runToTheEnd)
             log(Severity::warning, supervisor_.fault()->message(), message::kSensorLost);
     }

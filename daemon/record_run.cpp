@@ -11,6 +11,7 @@ namespace cheval::daemon {
 
 namespace {
 
+constexpr hal::Duration kOpenLimit = std::chrono::seconds(15);
 constexpr hal::Duration kWait = std::chrono::milliseconds(100);
 /// A recording that is the source waits for the disk, so that its copy has no holes.
 constexpr hal::Duration kCopyPatience = std::chrono::seconds(30);
@@ -116,12 +117,24 @@ class Recorder {
     RecordReport report_;
 };
 
+/// A sensor's firmware may need some seconds, which open() tells by timedOut.
+Expected<void> openPatiently(hal::DepthCamera& camera, const RecordOptions& options, hal::Clock& clock) {
+    const hal::TimePoint limit = clock.now() + kOpenLimit;
+    hal::Interrupt never;
+    while (true) {
+        Expected<void> opened = camera.open();
+        if (opened || opened.error().code != ErrorCode::timedOut) return opened;
+        if (clock.now() >= limit || (options.stop && options.stop())) return opened;
+        clock.waitUntil(clock.now() + std::chrono::milliseconds(10), never);
+    }
+}
+
 }  // namespace
 
 Expected<RecordReport> recordCamera(hal::DepthCamera& camera, const config::Settings& settings,
                                     const RecordOptions& options, hal::Clock& clock) {
     if (auto allowed = checkAllowed(settings); !allowed) return std::move(allowed).error();
-    if (auto opened = camera.open(); !opened) return cannotOpen(std::move(opened).error());
+    if (auto opened = openPatiently(camera, options, clock); !opened) return cannotOpen(std::move(opened).error());
     const hal::CameraInfo info = camera.info();
     const bool colour = settings.privacy.recordingColour && info.colour;
     Expected<std::unique_ptr<hal::RecordingWriter>> writer =

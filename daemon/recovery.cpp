@@ -12,6 +12,8 @@ constexpr std::array kLadder = {RecoveryRung::restartStream, RecoveryRung::reope
                                 RecoveryRung::recycle,       RecoveryRung::recycle,      RecoveryRung::resetUsb,
                                 RecoveryRung::powerCycle};
 constexpr std::size_t kAgain = 3;
+/// A device that was reset, or whose power was switched, is on the bus again within this time.
+constexpr hal::Duration kEnumeration = std::chrono::seconds(10);
 /// A new process did not help so often: the next thing is a new machine.
 constexpr std::uint32_t kRestartsBeforeReboot = 3;
 
@@ -19,8 +21,8 @@ constexpr std::array<std::string_view, kRecoveryRungCount> kRungNames = {
     "retry_read", "restart_stream", "reopen_device", "recycle", "reset_usb", "power_cycle", "restart_daemon", "reboot"};
 constexpr std::array<std::string_view, 7> kStateNames = {"closed",   "opening", "unproven", "streaming",
                                                          "doubtful", "resting", "ended"};
-constexpr std::array<std::string_view, 8> kEventNames = {"begin", "opened",  "refused", "frame",
-                                                         "lost",  "arrived", "timer",   "ended"};
+constexpr std::array<std::string_view, 9> kEventNames = {"begin", "opened",  "prepared", "refused", "frame",
+                                                         "lost",  "arrived", "timer",    "ended"};
 
 }  // namespace
 
@@ -80,7 +82,7 @@ RecoveryRung RecoveryMachine::choose(RecoveryRung lowest, hal::TimePoint now) {
         const RecoveryRung next = kLadder[position_++];
         if (next >= lowest && allowed(next)) return next;
     }
-    return std::min(RecoveryRung::reopenDevice, options_.highest);
+    return RecoveryRung::reopenDevice;
 }
 
 RecoveryAction RecoveryMachine::climb(RecoveryRung lowest, hal::TimePoint now) {
@@ -94,13 +96,15 @@ RecoveryAction RecoveryMachine::climb(RecoveryRung lowest, hal::TimePoint now) {
 
 RecoveryAction RecoveryMachine::take(hal::TimePoint now) {
     ++counts_[static_cast<std::size_t>(rung_)];
+    if (rung_ > RecoveryRung::recycle) ownDoing_ = now + options_.openLimit + kEnumeration;
     enter(RecoveryState::opening, now + options_.openLimit);
     return RecoveryAction::perform;
 }
 
 RecoveryAction RecoveryMachine::arrival(hal::TimePoint now) {
-    // Whatever was plugged in: it has had no chance yet.
-    forget();
+    // Whatever was plugged in: it has had no chance yet. But a reset or a power cycle makes the device arrive too, and
+    // must not begin the ladder anew.
+    if (now >= ownDoing_) forget();
     if (state_ != RecoveryState::resting) return RecoveryAction::none;
     rung_ = RecoveryRung::reopenDevice;
     ++attempts_;
@@ -120,7 +124,13 @@ RecoveryAction RecoveryMachine::on(RecoveryEvent event, hal::TimePoint now) {
             return enter(RecoveryState::unproven, options_.silence
                                                       ? now + std::max(options_.firstFrame, *options_.silence)
                                                       : hal::TimePoint::max());
+        case RecoveryEvent::prepared:
+            if (state_ != RecoveryState::opening) return RecoveryAction::none;
+            ownDoing_ = now + kEnumeration;
+            return enter(RecoveryState::opening, now + options_.openLimit);
         case RecoveryEvent::refused:
+            // A restart that cannot be had must not keep the other rungs from their turn.
+            if (state_ == RecoveryState::opening && rung_ >= RecoveryRung::restartDaemon) lastGood_ = now;
             return state_ == RecoveryState::opening ? climb(RecoveryRung::reopenDevice, now) : RecoveryAction::none;
         case RecoveryEvent::frame:
             return frame(now);

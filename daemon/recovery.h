@@ -40,14 +40,15 @@ enum class RecoveryState : std::uint8_t {
 std::string_view name(RecoveryState state);
 
 enum class RecoveryEvent : std::uint8_t {
-    begin,    ///< The mirror starts.
-    opened,   ///< What was asked for is done, and the device streams.
-    refused,  ///< It could not be done.
-    frame,    ///< A frame came.
-    lost,     ///< The device, or its process, is gone.
-    arrived,  ///< A sensor was plugged in.
-    timer,    ///< deadline() is reached.
-    ended,    ///< The recording is over.
+    begin,     ///< The mirror starts.
+    opened,    ///< What was asked for is done, and the device streams.
+    prepared,  ///< A rung above recycle has done its part; opening the device begins.
+    refused,   ///< It could not be done.
+    frame,     ///< A frame came.
+    lost,      ///< The device, or its process, is gone.
+    arrived,   ///< A sensor was plugged in.
+    timer,     ///< deadline() is reached.
+    ended,     ///< The recording is over.
 };
 std::string_view name(RecoveryEvent event);
 
@@ -130,9 +131,10 @@ class RecoveryMachine {
     hal::TimePoint streamingSince_{};
     hal::TimePoint lastGood_{};  ///< The last frame, or the start.
     RecoveryRung rung_ = RecoveryRung::retryRead;
-    std::size_t position_ = 0;    ///< In the ladder: the next step to take.
-    std::uint32_t attempts_ = 0;  ///< Rungs taken since all was well.
-    hal::Duration pause_{};       ///< Before the next rung.
+    hal::TimePoint ownDoing_ = hal::TimePoint::min();  ///< Until then an arrival is what we did ourselves.
+    std::size_t position_ = 0;                         ///< In the ladder: the next step to take.
+    std::uint32_t attempts_ = 0;                       ///< Rungs taken since all was well.
+    hal::Duration pause_{};                            ///< Before the next rung.
     std::array<std::uint64_t, kRecoveryRungCount> counts_{};
 };
 

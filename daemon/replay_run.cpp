@@ -38,7 +38,12 @@ Expected<Source> openSource(const config::Settings& settings, const std::string&
         }
         hal::ProcessCameraOptions options = sensorProcessOptions(settings, source);
         options.openWait = std::chrono::seconds(15);
-        return Source{.camera = hal::makeProcessCamera(options, clock)};
+        auto camera = hal::makeProcessCamera(options, clock);
+        // What hangs here would hang later on a clock that stands still meanwhile.
+        Expected<void> opened = camera->open();
+        if (!opened) return std::move(opened).error();
+        camera->close();
+        return Source{.camera = std::move(camera)};
     }
     Expected<std::unique_ptr<hal::ReplayCamera>> recording = hal::makeReplayCamera({.folder = source}, clock);
     if (!recording) return std::move(recording).error();

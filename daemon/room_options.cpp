@@ -47,11 +47,25 @@ LadderOptions ladderOptions(const config::Settings& settings) {
     return {.enabled = settings.loop.degrade};
 }
 
+namespace {
+
+/// The sensor program of the build that this program itself belongs to; elsewhere a name that is not found.
+std::string builtSensor() {
+    const std::filesystem::path built(CHEVAL_BUILT_SENSOR);
+    std::error_code failed;
+    const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe", failed);
+    const std::string folder = built.parent_path().parent_path().string() + "/";
+    return !failed && own.string().starts_with(folder) ? built.string() : "cheval-sensor";
+}
+
+}  // namespace
+
 RecoveryOptions recoveryOptions(const config::Settings& settings, const RecoveryHardware* hardware) {
     RecoveryOptions options{.silence = std::chrono::milliseconds(settings.sensor.lostAfterMs),
                             .longestPause = hal::fromSeconds(settings.recovery.longestPauseSeconds),
                             .restartAfter = hal::fromSeconds(60.0 * settings.recovery.restartAfterMinutes),
-                            .highest = static_cast<RecoveryRung>(settings.recovery.highest)};
+                            .highest = static_cast<RecoveryRung>(static_cast<int>(RecoveryRung::reopenDevice) +
+                                                                 static_cast<int>(settings.recovery.highest))};
     if (hardware != nullptr) {
         options.available = [hardware](RecoveryRung rung) { return hardware->available(rung); };
         options.restartsBefore = hardware->restartsBefore();
@@ -107,7 +121,7 @@ hal::ReplayOptions replayOptions(const config::Settings& settings) {
 hal::ProcessCameraOptions sensorProcessOptions(const config::Settings& settings, const std::string& recording) {
     hal::ProcessCameraOptions options{.program = config::shippedPath("bin/cheval-sensor"),
                                       .openWait = std::chrono::milliseconds(50)};
-    if (options.program.empty()) options.program = CHEVAL_BUILT_SENSOR;
+    if (options.program.empty()) options.program = builtSensor();
     if (!recording.empty()) {
         options.arguments = {"--recording", recording};
     } else if (!settings.sensor.device.empty()) {

@@ -21,6 +21,11 @@ Expected<void> DepthCamera::restartStream() {
     return Error{.code = ErrorCode::invalidInput, .cause = "the camera is not open", .mend = "open it first"};
 }
 
+bool DepthCamera::takeArrival() {
+    const std::lock_guard lock(device_);
+    return doTakeArrival();
+}
+
 Expected<void> DepthCamera::doRestartStream() {
     return Error{.code = ErrorCode::unavailable,
                  .cause = "this camera's stream cannot be restarted",

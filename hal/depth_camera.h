@@ -45,7 +45,7 @@ class DepthCamera {
     Expected<void> restartStream();
     /// True once for each device that was plugged in since the last call, where the back end can tell: opening is
     /// worth trying at once.
-    virtual bool takeArrival() { return false; }
+    bool takeArrival();
     /// Why the last wait said `lost`, where the back end knows.
     [[nodiscard]] virtual std::optional<Error> lossReason() const { return std::nullopt; }
     /// Ends a wait in progress; the device is released by the thread that waits, or at once when none does.
@@ -64,6 +64,7 @@ class DepthCamera {
     virtual Expected<CameraInfo> doOpen() = 0;
     virtual void doClose() = 0;
     virtual Expected<void> doRestartStream();
+    virtual bool doTakeArrival() { return false; }
     /// For an opening that takes long: close() was called meanwhile.
     [[nodiscard]] bool closing() const { return interrupt_.raised(); }
     /// Must return FrameStatus::closed as soon as `interrupt` is raised.

@@ -15,6 +15,7 @@ enum class ErrorCode {
     invalidInput,  ///< A file, setting, frame or argument that is refused.
     notFound,      ///< Something named does not exist.
     unavailable,   ///< A device or service is absent, busy or lost; trying again may help.
+    conflict,      ///< Another program holds what is needed, and trying again does not help while it runs.
     timedOut,      ///< A limit on time was reached.
     resource,      ///< Memory, descriptors or disk ran out.
     internal,      ///< A fault of ours.

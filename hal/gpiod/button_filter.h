@@ -35,7 +35,7 @@ class ButtonFilter {
     bool raw_ = false;
     TimePoint changed_{};  ///< When the raw level last changed.
     TimePoint pressed_{};
-    TimePoint advanced_{};  ///< How far time has come.
+    TimePoint advanced_{};   ///< How far time has come.
     bool reported_ = false;  ///< The press was told, so that its release is.
     bool longReported_ = false;
     bool stuck_ = false;

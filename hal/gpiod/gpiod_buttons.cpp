@@ -100,8 +100,11 @@ class GpiodButtonsImplementation final : public GpiodButtons {
         }
         pause_ = options_.firstPause;
         // Lines are read one after another; what happened is told in its own order.
-        std::stable_sort(waiting_.begin() + static_cast<std::ptrdiff_t>(before), waiting_.end(),
-                         [](const ButtonEvent& a, const ButtonEvent& b) { return a.time < b.time; });
+        // By insertion, which takes no memory.
+        for (std::size_t i = before + 1; i < waiting_.size(); ++i) {
+            for (std::size_t j = i; j > before && waiting_[j].time < waiting_[j - 1].time; --j)
+                std::swap(waiting_[j], waiting_[j - 1]);
+        }
         tellStuck();
     }
 

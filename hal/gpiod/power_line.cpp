@@ -25,14 +25,22 @@ Expected<void> PowerLine::cycle() {
     if (!held) return held;
     const TimePoint now = clock_.now();
     if (!off_) {
-        Expected<void> switched = line_->set(false);
+        Expected<void> switched = drive(false);
         if (!switched) return switched;
         off_ = true;
         onAt_ = now + options_.off;
     }
     if (now < onAt_) return Error{.code = ErrorCode::timedOut, .cause = "the sensor's power is off for a moment"};
-    off_ = false;
-    return line_->set(true);
+    Expected<void> switched = drive(true);
+    if (switched) off_ = false;
+    return switched;
+}
+
+Expected<void> PowerLine::drive(bool active) {
+    Expected<void> driven = line_->set(active);
+    // One whose chip is gone is asked for anew.
+    if (!driven) line_.reset();
+    return driven;
 }
 
 }  // namespace cheval::hal

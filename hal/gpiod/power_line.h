@@ -29,6 +29,8 @@ class PowerLine {
     Expected<void> cycle();
 
   private:
+    Expected<void> drive(bool active);
+
     PowerLineOptions options_;
     std::unique_ptr<LineProvider> provider_;
     const Clock& clock_;

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <mutex>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -48,13 +49,24 @@ class DeviceListener final : public openni::OpenNI::DeviceConnectedListener,
                              public openni::OpenNI::DeviceDisconnectedListener {
   public:
     void onDeviceConnected(const openni::DeviceInfo* /*info*/) override { arrived_ = true; }
-    void onDeviceDisconnected(const openni::DeviceInfo* /*info*/) override { left_ = true; }
+    void onDeviceDisconnected(const openni::DeviceInfo* info) override {
+        const std::lock_guard lock(mutex_);
+        if (uri_ == info->getUri()) left_ = true;
+    }
+    /// Whose leaving counts.
+    void watch(const char* uri) {
+        const std::lock_guard lock(mutex_);
+        uri_ = uri;
+        left_ = false;
+    }
     bool takeArrival() { return arrived_.exchange(false); }
     bool takeDeparture() { return left_.exchange(false); }
 
   private:
     std::atomic<bool> arrived_{false};
     std::atomic<bool> left_{false};
+    std::mutex mutex_;
+    std::string uri_;
 };
 
 Duration stampOf(const openni::VideoFrameRef& frame) {
@@ -103,14 +115,14 @@ class OpenNiCameraImplementation final : public OpenNiCamera {
     OpenNiCameraImplementation& operator=(const OpenNiCameraImplementation&) = delete;
 
     [[nodiscard]] const std::string& compromises() const override { return compromises_; }
-    bool takeArrival() override { return listener_.takeArrival(); }
     [[nodiscard]] std::optional<Error> lossReason() const override { return loss_; }
 
   protected:
+    bool doTakeArrival() override { return listener_.takeArrival(); }
+
     Expected<CameraInfo> doOpen() override {
         loss_.reset();
         compromises_.clear();
-        listener_.takeDeparture();
         const std::string& uri = recorded() ? options_.recording : options_.device;
         if (device_.open(uri.empty() ? openni::ANY_DEVICE : uri.c_str()) != openni::STATUS_OK) {
             Error error = recorded() ? openNiError("the recording cannot be opened", "name an .oni file of OpenNI 2")
@@ -118,6 +130,7 @@ class OpenNiCameraImplementation final : public OpenNiCamera {
             if (recorded()) error.file = uri;
             return error;
         }
+        listener_.watch(device_.getDeviceInfo().getUri());
         Expected<CameraInfo> info = startStreams();
         if (!info) doClose();
         return info;
@@ -138,6 +151,10 @@ class OpenNiCameraImplementation final : public OpenNiCamera {
     Expected<void> doRestartStream() override {
         depth_.stop();
         if (colour_.isValid()) colour_.stop();
+        // What was on its way belongs to before.
+        depthWaits_ = false;
+        depthFrame_.release();
+        colourFrame_.release();
         clock_.reset();
         fresh_ = true;
         return start();
@@ -198,6 +215,8 @@ class OpenNiCameraImplementation final : public OpenNiCamera {
             recordedFrames_ = static_cast<std::uint64_t>(std::max(0, playback->getNumberOfFrames(depth_)));
         }
         delivered_ = 0;
+        anySequence_ = false;
+        sequenceOffset_ = 0;
         depthWaits_ = false;
         fresh_ = true;
         clock_.reset();
@@ -291,8 +310,8 @@ class OpenNiCameraImplementation final : public OpenNiCamera {
             device_.setImageRegistrationMode(openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR) != openni::STATUS_OK)
             return giveUpColour("no registration of depth and colour");
         colour_.setMirroringEnabled(false);
-        // Pictures that belong together are found by their times: the runtime's own pairing (setDepthColorSyncEnabled) may
-        // stay one frame apart for good, and swaps frames while they are in use.
+        // Pictures that belong together are found by their times: the runtime's own pairing (setDepthColorSyncEnabled)
+        // may stay one frame apart for good, and swaps frames while they are in use.
     }
 
     CameraInfo describe() {
@@ -350,17 +369,26 @@ class OpenNiCameraImplementation final : public OpenNiCamera {
         return stampOf(colourFrame_) + half > stampOf(depthFrame_);
     }
 
+    /// The device's own count, which goes on where a restarted stream counts from the beginning.
+    std::uint64_t nextSequence() {
+        const auto index = static_cast<std::uint64_t>(std::max(0, depthFrame_.getFrameIndex()));
+        if (anySequence_ && index + sequenceOffset_ <= lastSequence_) sequenceOffset_ = lastSequence_ + 1 - index;
+        anySequence_ = true;
+        lastSequence_ = index + sequenceOffset_;
+        return lastSequence_;
+    }
+
     FrameStatus deliver(DepthFrame& frame) {
         depthWaits_ = false;
         const Duration stamp = stampOf(depthFrame_);
         if (recorded() && delivered_ == 0) firstStamp_ = stamp;
         lastStamp_ = stamp;
-        frame = DepthFrame{
-            .sequence = recorded() ? delivered_ : static_cast<std::uint64_t>(std::max(0, depthFrame_.getFrameIndex())),
-            .captureTime = recorded() ? TimePoint(stamp - firstStamp_) : clock_.captureTime(stamp, arrival_),
-            .restart = std::exchange(fresh_, false),
-            .lastOfStill = true,
-            .intrinsics = intrinsics_};
+        frame =
+            DepthFrame{.sequence = recorded() ? delivered_ : nextSequence(),
+                       .captureTime = recorded() ? TimePoint(stamp - firstStamp_) : clock_.captureTime(stamp, arrival_),
+                       .restart = std::exchange(fresh_, false),
+                       .lastOfStill = true,
+                       .intrinsics = intrinsics_};
         frame.sourceIndex = frame.sequence;
         const int width = depthFrame_.getWidth();
         const int height = depthFrame_.getHeight();
@@ -413,6 +441,9 @@ class OpenNiCameraImplementation final : public OpenNiCamera {
     DeviceClock clock_;
     bool fresh_ = true;
     std::uint64_t delivered_ = 0;
+    std::uint64_t lastSequence_ = 0;
+    std::uint64_t sequenceOffset_ = 0;
+    bool anySequence_ = false;
     std::uint64_t recordedFrames_ = 0;
     Duration firstStamp_{};
     Duration lastStamp_{};

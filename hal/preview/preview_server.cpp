@@ -227,7 +227,7 @@ Expected<std::unique_ptr<PreviewServer>> startPreview(const PreviewOptions& opti
     }
     auto server = std::make_unique<HttpPreview>(options, clock);
     if (!server->start(options.port)) {
-        return Error{.code = ErrorCode::unavailable,
+        return Error{.code = ErrorCode::conflict,
                      .cause = "port " + std::to_string(options.port) + " of 127.0.0.1 cannot be had",
                      .mend = "end the program that uses it, or set another port (0 for any free one)",
                      .why = "the preview serves its page there"};

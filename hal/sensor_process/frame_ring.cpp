@@ -107,7 +107,8 @@ Expected<void> RingWriter::write(const DepthFrame& frame, std::uint32_t opening)
     // both write first and look second, so that one of us sees the other. With four slots one is always free.
     std::uint32_t chosen = (newest + 1) % kRingSlots;
     for (std::uint32_t tries = 0; tries < 2 * kRingSlots; ++tries, chosen = (chosen + 1) % kRingSlots) {
-        if (chosen == newest && serial_ > 0) continue;
+        // Looked at before it is touched: the lock of a slot on loan must not even flicker.
+        if ((chosen == newest && serial_ > 0) || head.claimed.load(std::memory_order_seq_cst) == chosen) continue;
         Slot& candidate = slot(memory, chosen);
         const std::uint32_t before = candidate.lock.load(std::memory_order_relaxed);
         candidate.lock.store(before + 1, std::memory_order_seq_cst);

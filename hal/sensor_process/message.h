@@ -24,6 +24,7 @@ enum class MessageKind : std::uint32_t {
     lost,     ///< It is gone, or broken.
     ended,    ///< The recording is over.
     arrived,  ///< A device was plugged in.
+    done,     ///< What `close` or `restartStream` asked for: the process still answers.
 };
 
 /// Texts are cut to their room, and end with a zero.

@@ -21,8 +21,10 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr Duration kSlice = milliseconds(20);                   ///< A wait looks for close() this often.
-constexpr Duration kQuitLimit = milliseconds(200);              ///< For the process to end in order.
+constexpr Duration kSlice = milliseconds(20);               ///< A wait looks for close() this often.
+constexpr Duration kQuitLimit = milliseconds(200);          ///< For the process to end in order.
+constexpr Duration kAnswerLimit = std::chrono::seconds(3);  ///< For `close` and `restartStream` to be done.
+constexpr int kMessagesAtOnce = 64;
 constexpr Duration kRecordingLimit = std::chrono::seconds(10);  ///< For one frame of a recording to be read.
 
 constexpr const char* kByItself =
@@ -74,13 +76,14 @@ class ProcessCameraImplementation final : public ProcessCamera {
     [[nodiscard]] pid_t process() const override { return process_ ? process_->child.pid() : -1; }
     [[nodiscard]] std::uint64_t starts() const override { return starts_; }
     [[nodiscard]] Duration handOver() const override { return handOver_; }
-    bool takeArrival() override {
-        if (process_ && !isOpen()) listen();
-        return std::exchange(arrived_, false);
-    }
     [[nodiscard]] std::optional<Error> lossReason() const override { return loss_; }
 
   protected:
+    bool doTakeArrival() override {
+        if (process_ && !isOpen()) listen();
+        return std::exchange(arrived_, false);
+    }
+
     Expected<CameraInfo> doOpen() override {
         if (process_ && !process_->child.running()) process_.reset();
         if (!process_) {
@@ -89,6 +92,7 @@ class ProcessCameraImplementation final : public ProcessCamera {
             process_.emplace(std::move(*started));
             opening_ = 0;
             asked_ = false;
+            answers_ = 0;
             ++starts_;
         }
         if (!asked_) {
@@ -118,13 +122,11 @@ class ProcessCameraImplementation final : public ProcessCamera {
 
     void doClose() override {
         pending_ = false;
-        if (process_) sendMessage(process_->control.get(), Message{.kind = MessageKind::close, .opening = opening_});
+        if (process_) expectAnswer(Message{.kind = MessageKind::close, .opening = opening_});
     }
 
     Expected<void> doRestartStream() override {
-        if (process_ &&
-            sendMessage(process_->control.get(), Message{.kind = MessageKind::restartStream, .opening = opening_}))
-            return {};
+        if (process_ && expectAnswer(Message{.kind = MessageKind::restartStream, .opening = opening_})) return {};
         return Error{.code = ErrorCode::unavailable, .cause = "the sensor process does not listen", .mend = kByItself};
     }
 
@@ -136,7 +138,7 @@ class ProcessCameraImplementation final : public ProcessCamera {
     /// Takes in what the process has said, and notices when it is gone.
     void listen() {
         Message message;
-        while (true) {
+        for (int i = 0; i < kMessagesAtOnce; ++i) {
             const Received received = receiveMessage(process_->control.get(), message);
             if (received == Received::nothing) break;
             if (received == Received::gone) {
@@ -146,11 +148,25 @@ class ProcessCameraImplementation final : public ProcessCamera {
             }
             take(message);
         }
-        if (!process_->child.running()) dropProcess();
+        if (!process_->child.running()) return dropProcess();
+        if (answers_ == 0 || SteadyClock().now() - askedAt_ < kAnswerLimit) return;
+        dropProcess();
+        loss_->cause = "the sensor process did not answer any more";
+    }
+
+    /// Asks for something that is answered by `done`, as long as the process does not hang.
+    bool expectAnswer(const Message& message) {
+        if (!sendMessage(process_->control.get(), message)) return false;
+        if (answers_++ == 0) askedAt_ = SteadyClock().now();
+        return true;
     }
 
     void take(const Message& message) {
         if (message.kind == MessageKind::arrived) arrived_ = true;
+        if (message.kind == MessageKind::done && answers_ > 0) {
+            --answers_;
+            askedAt_ = SteadyClock().now();
+        }
         if (message.opening != opening_) return;  // Of an opening that is over.
         if (message.kind == MessageKind::opened || message.kind == MessageKind::refused) answer_ = message;
         if (message.kind == MessageKind::lost) loss_ = errorOf(message);
@@ -177,6 +193,7 @@ class ProcessCameraImplementation final : public ProcessCamera {
         ended_ = false;
         pending_ = false;
         fresh_ = true;
+        firstSequence_ = nextSequence_ = 0;
         start_ = clock_.now();
         return info;
     }
@@ -233,8 +250,14 @@ class ProcessCameraImplementation final : public ProcessCamera {
     FrameStatus waitRecorded(Duration timeout, DepthFrame& frame, Interrupt& interrupt) {
         const TimePoint begin = clock_.now();
         if (!pending_) {
-            const FrameStatus fetched = fetch(interrupt);
+            FrameStatus fetched = fetch(interrupt);
+            if (fetched == FrameStatus::ended && options_.loop && nextSequence_ > firstSequence_) {
+                fetched = startAgain();
+                if (fetched == FrameStatus::frame) fetched = fetch(interrupt);
+            }
             if (fetched != FrameStatus::frame) return fetched;
+            recorded_.sequence += firstSequence_;
+            nextSequence_ = recorded_.sequence + 1;
         }
         const TimePoint due = start_ + recorded_.captureTime.time_since_epoch();
         const TimePoint limit = begin + std::max(timeout, Duration::zero());
@@ -243,6 +266,21 @@ class ProcessCameraImplementation final : public ProcessCamera {
         pending_ = false;
         frame = recorded_;
         frame.captureTime = due;
+        return FrameStatus::frame;
+    }
+
+    /// Opens the recording anew, its times and numbers going on from here.
+    FrameStatus startAgain() {
+        const TimePoint start = clock_.now();
+        const std::uint64_t next = nextSequence_;
+        asked_ = false;
+        const Expected<CameraInfo> opened = doOpen();
+        if (!opened) {
+            loss_ = opened.error();
+            return FrameStatus::lost;
+        }
+        start_ = start;
+        firstSequence_ = nextSequence_ = next;
         return FrameStatus::frame;
     }
 
@@ -273,7 +311,9 @@ class ProcessCameraImplementation final : public ProcessCamera {
     std::optional<SensorProcess> process_;
     std::uint64_t starts_ = 0;
     std::uint32_t opening_ = 0;
-    bool asked_ = false;  ///< `open` was sent and not answered yet.
+    int answers_ = 0;      ///< `done` messages that are to come.
+    TimePoint askedAt_{};  ///< Since when.
+    bool asked_ = false;   ///< `open` was sent and not answered yet.
     std::optional<Message> answer_;
     std::optional<Error> loss_;
     bool arrived_ = false;
@@ -284,6 +324,8 @@ class ProcessCameraImplementation final : public ProcessCamera {
     bool fresh_ = true;     ///< The next frame is the first of this opening.
     bool pending_ = false;  ///< recorded_ was fetched and is not due yet.
     DepthFrame recorded_;
+    std::uint64_t firstSequence_ = 0;  ///< Of this pass of the recording.
+    std::uint64_t nextSequence_ = 0;
     TimePoint start_{};
     Duration handOver_{};
 };

@@ -18,6 +18,7 @@ struct ProcessCameraOptions {
     /// How long one open() waits. A sensor's firmware may need seconds: then open() answers timedOut, and the next call
     /// goes on waiting for the same opening.
     Duration openWait = std::chrono::seconds(15);
+    bool loop = false;  ///< A recording starts again at its end.
 };
 
 /// The process is started by the first open() and stays over close() and open(); destruction ends it. A live sensor

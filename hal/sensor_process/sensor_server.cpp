@@ -63,9 +63,11 @@ class SensorServer {
                 case MessageKind::close:
                     camera_.close();
                     streaming_ = false;
+                    say(Message{.kind = MessageKind::done});
                     break;
                 case MessageKind::restartStream:
                     restart();
+                    say(Message{.kind = MessageKind::done});
                     break;
                 case MessageKind::next:
                     ++asked_;
@@ -140,21 +142,23 @@ class SensorServer {
     bool streaming_ = false;
 };
 
-/// Nobody reads our frames any more, and the main thread may be in a call that never returns.
-void endWithTheOtherSide(int control) {
+void waitForTheEnd(int control) {
     while (true) {
         pollfd waits{.fd = control, .events = POLLRDHUP, .revents = 0};
-        if (::poll(&waits, 1, -1) > 0 && (waits.revents & (POLLHUP | POLLRDHUP | POLLERR | POLLNVAL)) != 0) break;
+        if (::poll(&waits, 1, 1000) > 0 && (waits.revents & (POLLHUP | POLLRDHUP | POLLERR | POLLNVAL)) != 0) break;
     }
     std::_Exit(EXIT_SUCCESS);
 }
 
 }  // namespace
 
+void endWithTheOtherSide(int control) {
+    std::thread(waitForTheEnd, control).detach();
+}
+
 Expected<void> serveSensor(DepthCamera& camera, SensorServerOptions options) {
     auto memory = RingMemory::attach(std::move(options.ring));
     if (!memory) return std::move(memory).error();
-    std::thread(endWithTheOtherSide, options.control.get()).detach();
     SensorServer(camera, std::move(options), std::move(*memory)).run();
     return {};
 }

@@ -21,8 +21,11 @@ struct SensorServerOptions {
     std::function<bool()> arrived;  ///< True once for each device that was plugged in; may be empty.
 };
 
-/// Serves `camera` until `quit` comes or the other side is gone. Should the camera never return from a call, a second
-/// thread still notices that the other side is gone, and ends the process. Errors: a ring of another release.
+/// Ends this process as soon as the other side of `control` is gone, even if every other thread is in a call that never
+/// returns. To be called before the sensor's library is started.
+void endWithTheOtherSide(int control = kControlDescriptor);
+
+/// Serves `camera` until `quit` comes or the other side is gone. Errors: a ring of another release.
 Expected<void> serveSensor(DepthCamera& camera, SensorServerOptions options);
 
 }  // namespace cheval::hal

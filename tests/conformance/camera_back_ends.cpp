@@ -67,7 +67,9 @@ class OpenNiRig : public CameraRig {
   public:
     std::unique_ptr<hal::DepthCamera> make(hal::Clock& clock) override {
         world_ = std::make_unique<SensorWorld>(spec());
-        return hal::makeProcessCamera({.program = CHEVAL_SENSOR, .environment = world_->environment()}, clock);
+        return hal::makeProcessCamera(
+            {.program = CHEVAL_SENSOR, .environment = world_->environment(), .openWait = std::chrono::seconds(60)},
+            clock);
     }
     // No sensor offers a frame in ten seconds; one that stalls is as slow.
     std::unique_ptr<hal::DepthCamera> makeSlow(hal::Clock& clock) override {

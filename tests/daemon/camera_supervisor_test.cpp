@@ -156,6 +156,14 @@ class FakeHardware final : public RecoveryHardware {
     int health = 0;
 };
 
+TEST_F(CameraSupervisorTest, saysWhyWhenTheFirstFrameNeverComes) {
+    script_.steps = {Does::timeOut};
+    CameraSupervisor supervisor = make();
+    EXPECT_NEAR(secondsUntil(supervisor, CameraState::lost), 3.0, 0.2);
+    ASSERT_TRUE(supervisor.fault());
+    EXPECT_NE(supervisor.fault()->cause.find("sends no frames"), std::string::npos);
+}
+
 TEST_F(CameraSupervisorTest, takesTheHardwaresRungsAndOpensANewCameraAfterThem) {
     FakeHardware hardware;
     CameraSupervisorOptions options{.hardware = &hardware};

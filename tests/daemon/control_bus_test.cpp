@@ -304,7 +304,7 @@ TEST_F(ControlBusTest, ASecondMirrorIsRefusedAndTheFirstIsNotReplaced) {
     first->publish(snapshot());
     const Expected<std::unique_ptr<ControlBus>> second = ControlBus::start(options());
     ASSERT_FALSE(second);
-    EXPECT_EQ(second.error().code, ErrorCode::unavailable);
+    EXPECT_EQ(second.error().code, ErrorCode::conflict);
     EXPECT_THAT(second.error().message(), AllOf(HasSubstr("another mirror owns"), HasSubstr("Mend: ")));
     const Expected<MirrorReport> report = askMirror(kSession);
     ASSERT_TRUE(report) << report.error().message();

@@ -40,7 +40,7 @@ TEST_F(InstanceLockTest, ASecondIsRefusedUntilTheFirstIsGone) {
     EXPECT_TRUE(first->held());
     const Expected<InstanceLock> second = InstanceLock::take();
     ASSERT_FALSE(second);
-    EXPECT_EQ(second.error().code, ErrorCode::unavailable);
+    EXPECT_EQ(second.error().code, ErrorCode::conflict);
     EXPECT_THAT(second.error().message(), AllOf(HasSubstr("process " + std::to_string(getpid())), HasSubstr("Mend: "),
                                                 HasSubstr("chevald.lock")));
     first.reset();

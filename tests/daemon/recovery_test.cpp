@@ -19,9 +19,9 @@ using std::chrono::seconds;
 constexpr std::array kAllStates = {RecoveryState::closed,    RecoveryState::opening,  RecoveryState::unproven,
                                    RecoveryState::streaming, RecoveryState::doubtful, RecoveryState::resting,
                                    RecoveryState::ended};
-constexpr std::array kAllEvents = {RecoveryEvent::begin, RecoveryEvent::opened, RecoveryEvent::refused,
-                                   RecoveryEvent::frame, RecoveryEvent::lost,   RecoveryEvent::arrived,
-                                   RecoveryEvent::timer, RecoveryEvent::ended};
+constexpr std::array kAllEvents = {RecoveryEvent::begin,   RecoveryEvent::opened, RecoveryEvent::prepared,
+                                   RecoveryEvent::refused, RecoveryEvent::frame,  RecoveryEvent::lost,
+                                   RecoveryEvent::arrived, RecoveryEvent::timer,  RecoveryEvent::ended};
 
 /// A machine with its clock, driven by words: an event's name, or "3s"/"500ms" to let time pass with timers fired as
 /// they come due.
@@ -98,6 +98,7 @@ constexpr const char* kTable =
     R"(            closed          opening                   unproven                   streaming                  doubtful                   resting                    ended
 begin       open → opening  opening                   unproven                   streaming                  doubtful                   resting                    ended
 opened      closed          unproven                  unproven                   streaming                  doubtful                   resting                    ended
+prepared    closed          opening                   unproven                   streaming                  doubtful                   resting                    ended
 refused     closed          resting                   unproven                   streaming                  doubtful                   resting                    ended
 frame       streaming       streaming                 streaming                  streaming                  streaming                  streaming                  ended
 lost        reopen_device → opening resting           resting                    reopen_device → opening    reopen_device → opening    resting                    ended
@@ -209,6 +210,32 @@ TEST(RecoveryMachine, backsOffUpToABoundAndAnArrivalResetsIt) {
     driver.tell(RecoveryEvent::arrived);
     driver.tell(RecoveryEvent::refused);
     EXPECT_EQ(driver.machine().deadline() - driver.now(), milliseconds(500));
+}
+
+TEST(RecoveryMachine, anArrivalOfItsOwnMakingDoesNotBeginTheLadderAnew) {
+    RecoveryOptions options{.highest = RecoveryRung::powerCycle, .available = [](RecoveryRung) { return true; }};
+    Driver driver(options);
+    driver.reach(RecoveryState::streaming);
+    const auto taken = [&](RecoveryRung rung) { return driver.machine().counts()[static_cast<std::size_t>(rung)]; };
+    while (taken(RecoveryRung::resetUsb) == 0)
+        driver.pass(milliseconds(100), RecoveryEvent::opened);
+    // The reset brings the device back onto the bus, and it stays silent.
+    driver.tell(RecoveryEvent::prepared);
+    driver.tell(RecoveryEvent::arrived);
+    driver.tell(RecoveryEvent::opened);
+    driver.pass(minutes(1), RecoveryEvent::opened);
+    EXPECT_GE(taken(RecoveryRung::powerCycle), 1U);
+    EXPECT_EQ(taken(RecoveryRung::restartStream), 1U);
+}
+
+TEST(RecoveryMachine, aRestartThatIsRefusedLeavesTheOtherRungsTheirTurn) {
+    Driver driver({.highest = RecoveryRung::restartDaemon, .available = [](RecoveryRung) { return true; }});
+    driver.reach(RecoveryState::streaming);
+    driver.pass(minutes(40), RecoveryEvent::refused);
+    const auto& counts = driver.machine().counts();
+    EXPECT_GE(counts[static_cast<std::size_t>(RecoveryRung::restartDaemon)], 1U);
+    EXPECT_LE(counts[static_cast<std::size_t>(RecoveryRung::restartDaemon)], 3U);
+    EXPECT_GT(counts[static_cast<std::size_t>(RecoveryRung::recycle)], 10U);
 }
 
 TEST(RecoveryMachine, aSensorThatDiesAfterEachFrameIsNotReopenedWithoutPause) {

@@ -110,7 +110,8 @@ def boot(root, build, cmake, sanitized):
     settings.write_text(SETTINGS)
     if sanitized:
         (root / "etc/systemd/system/cheval.service.d/sanitizer.conf").write_text(SANITIZER_DROP_IN)
-    binds = [f"--bind-ro={stage}{PREFIX}:{PREFIX}", f"--bind-ro={HERE}:/run/cheval-test"]
+    binds = [f"--bind-ro={stage}{PREFIX}:{PREFIX}", f"--bind-ro={HERE}:/run/cheval-test",
+             f"--bind-ro={build}/openni:/run/cheval-openni"]
     for name in SHARED_SETTINGS:
         if pathlib.Path("/etc", name).exists():
             binds.append(f"--bind-ro=/etc/{name}")

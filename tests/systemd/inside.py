@@ -15,7 +15,6 @@ SHORT_LIMIT = 5.0
 HERE = pathlib.Path(__file__).resolve().parent
 UNIT = "cheval.service"
 LIMIT_MESSAGE = "Start request repeated too quickly"
-PROGRAM = "/usr/local/bin/chevald"
 PORT = 8080
 EXAMPLES = pathlib.Path("/usr/local/share/doc/cheval/examples")
 SETTINGS = pathlib.Path("/etc/cheval/cheval.toml")
@@ -184,6 +183,46 @@ def preview():
     SETTINGS.write_text(good)
 
 
+def sensor_processes():
+    found = []
+    for comm in pathlib.Path("/proc").glob("[0-9]*/comm"):
+        try:
+            if comm.read_text().strip() == "cheval-sensor":
+                found.append(int(comm.parent.name))
+        except OSError:
+            continue  # It ended meanwhile.
+    return found
+
+
+def dressed(unit):
+    return active(unit) and unit["StatusText"].startswith("wearing: ") and "sensor ok" in unit["StatusText"]
+
+
+def real_sensor():
+    """The real OpenNI2 with a driver that serves the simulated shopper."""
+    good = SETTINGS.read_text()
+    SETTINGS.write_text('[sensor]\nsource = "openni"\n' + good)
+    drop_in = DROP_INS / "sensor.conf"
+    drop_in.write_text("[Service]\nEnvironment=LD_LIBRARY_PATH=/run/cheval-openni\n"
+                       "Environment=CHEVAL_SIMULATED_SENSOR=sim:visit_s=60,pause_s=0,noise=0\n")
+    run("systemctl", "daemon-reload")
+    run("systemctl", "reset-failed", UNIT)
+    run("systemctl", "restart", UNIT)
+    unit = wait("through OpenNI2 and cheval-sensor, under the sandbox, the shopper is dressed", dressed)
+    sensors = sensor_processes()
+    check("one process reads the sensor", len(sensors) == 1)
+    status = dict(line.split(":", 1) for line in pathlib.Path(f"/proc/{sensors[0]}/status").read_text().splitlines())
+    check("in the same sandbox", status["Seccomp"].strip() == "2" and status["NoNewPrivs"].strip() == "1"
+          and status["Uid"].split()[0] != "0")
+    restarts = unit["NRestarts"]
+    os.kill(sensors[0], signal.SIGKILL)
+    wait("killed, it is started again by the mirror, which goes on",
+         lambda unit: dressed(unit) and sensor_processes() not in ([], sensors) and unit["NRestarts"] == restarts)
+    drop_in.unlink()
+    SETTINGS.write_text(good)
+    run("systemctl", "daemon-reload")
+
+
 def stops():
     run("systemctl", "stop", UNIT)
     unit = show()
@@ -203,7 +242,7 @@ def limit_reached(_number, _frame):
 def never_starts():
     # The shorter pause is for the test's time alone; the limit and what comes after it are the unit's own.
     (DROP_INS / "never.conf").write_text(
-        f"[Service]\nExecStart=\nExecStart={PROGRAM} --no-such-option\nRestartSec=100ms\n")
+        "[Service]\nExecStart=\nExecStart=/usr/bin/false\nRestartSec=100ms\n")
     run("systemctl", "daemon-reload")
     signal.signal(signal.SIGTERM, limit_reached)
     # Not waited for: what is to come is the end of this container.
@@ -221,6 +260,7 @@ def main():
     reload(pid)
     faults(pid)
     preview()
+    real_sensor()
     stops()
     never_starts()
 

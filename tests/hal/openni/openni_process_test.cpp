@@ -21,8 +21,11 @@ using test::SensorWorld;
 class OpenNiProcessTest : public testing::Test {
   protected:
     std::unique_ptr<ProcessCamera> make(const SensorWorld& world, std::vector<std::string> arguments = {}) {
-        return makeProcessCamera(
-            {.program = CHEVAL_SENSOR, .arguments = std::move(arguments), .environment = world.environment()}, clock_);
+        return makeProcessCamera({.program = CHEVAL_SENSOR,
+                                  .arguments = std::move(arguments),
+                                  .environment = world.environment(),
+                                  .openWait = seconds(60)},
+                                 clock_);
     }
     FrameStatus outcome(DepthCamera& camera, DepthFrame& frame, Duration limit = seconds(20)) {
         const TimePoint end = clock_.now() + limit;
@@ -171,8 +174,10 @@ TEST_F(OpenNiProcessTest, ASmallModeIsDoubledAndASmallerOneRefused) {
 TEST_F(OpenNiProcessTest, ACallThatNeverReturnsDoesNotOutliveTheCamera) {
     for (const char* call : {"hang open", "hang close", "hang read"}) {
         SensorWorld world("sim:seed=5,noise=0");
-        auto camera = makeProcessCamera(
-            {.program = CHEVAL_SENSOR, .environment = world.environment(), .openWait = seconds(3)}, clock_);
+        auto camera = makeProcessCamera({.program = CHEVAL_SENSOR,
+                                         .environment = world.environment(),
+                                         .openWait = std::string(call) == "hang open" ? seconds(2) : seconds(60)},
+                                        clock_);
         if (std::string(call) == "hang open") world.tell(call);
         const bool opened = camera->open().hasValue();
         EXPECT_EQ(opened, std::string(call) != "hang open");
@@ -206,9 +211,9 @@ TEST_F(OpenNiProcessTest, ARecordingPlaysEachFrameInOrderOnAnyClockAndEnds) {
     const SensorWorld world("sim:seed=5,noise=1,fps=30");
     {
         auto recorder = ChildProcess::start(
-            {.program = CHEVAL_ONI_RECORDER, .arguments = {file, "12"}, .environment = world.environment()});
+            {.program = CHEVAL_ONI_RECORDER, .arguments = {file, "8"}, .environment = world.environment()});
         ASSERT_TRUE(recorder);
-        ASSERT_TRUE(recorder->waitEnd(seconds(60)));
+        ASSERT_TRUE(recorder->waitEnd(seconds(200)));
         ASSERT_EQ(recorder->ending(), "exited with status 0");
     }
     std::vector<std::vector<std::uint16_t>> first;
@@ -236,9 +241,9 @@ TEST_F(OpenNiProcessTest, ARecordingPlaysEachFrameInOrderOnAnyClockAndEnds) {
             pictures.emplace_back(frame.depth.data, frame.depth.data + std::ptrdiff_t{640} * 480);
         }
         EXPECT_EQ(status, FrameStatus::ended);
-        EXPECT_GE(pictures.size(), 10U);
+        EXPECT_GE(pictures.size(), 6U);
         // Time was the recording's own.
-        EXPECT_GE(hal::seconds(clock.now()), 0.3);
+        EXPECT_GE(hal::seconds(clock.now()), 0.15);
         if (pass == 0) first = pictures;
         EXPECT_EQ(pictures, first);
     }
@@ -252,6 +257,34 @@ TEST_F(OpenNiProcessTest, ARecordingPlaysEachFrameInOrderOnAnyClockAndEnds) {
         found += depth.pixels == first[found] ? 1 : 0;
     }
     EXPECT_EQ(found, first.size());
+}
+
+TEST_F(OpenNiProcessTest, ARecordingInALoopGoesOnInTimeAndNumber) {
+    const test::TemporaryFolder folder;
+    const std::string file = (folder.path() / "visit.oni").string();
+    const SensorWorld world("sim:seed=5,noise=0,fps=30");
+    auto recorder = ChildProcess::start(
+        {.program = CHEVAL_ONI_RECORDER, .arguments = {file, "6"}, .environment = world.environment()});
+    ASSERT_TRUE(recorder);
+    ASSERT_TRUE(recorder->waitEnd(seconds(200)));
+    VirtualClock clock;
+    const auto camera = makeProcessCamera({.program = CHEVAL_SENSOR,
+                                           .arguments = {"--recording", file},
+                                           .environment = world.environment(),
+                                           .loop = true},
+                                          clock);
+    ASSERT_TRUE(camera->open());
+    int restarts = 0;
+    TimePoint before{};
+    for (std::uint64_t i = 0; i < 20; ++i) {
+        DepthFrame frame;
+        ASSERT_EQ(camera->waitFrame(std::chrono::hours(1), frame), FrameStatus::frame);
+        EXPECT_EQ(frame.sequence, i);
+        EXPECT_GE(frame.captureTime, before);
+        before = frame.captureTime;
+        restarts += frame.restart ? 1 : 0;
+    }
+    EXPECT_GE(restarts, 3);
 }
 
 TEST_F(OpenNiProcessTest, AFileThatIsNoRecordingIsRefusedByName) {

@@ -289,7 +289,7 @@ TEST_F(PreviewServerTest, EndsAtOnceWithEveryKindOfClientConnected) {
 TEST_F(PreviewServerTest, APortInUseIsRefusedWithAMend) {
     const auto second = startPreview({.mode = kMode, .port = static_cast<std::uint16_t>(port_)}, clock_);
     ASSERT_FALSE(second);
-    EXPECT_EQ(second.error().code, ErrorCode::unavailable);
+    EXPECT_EQ(second.error().code, ErrorCode::conflict);
     EXPECT_THAT(second.error().cause, HasSubstr(std::to_string(port_)));
     EXPECT_FALSE(second.error().mend.empty());
 }

@@ -132,6 +132,26 @@ TEST_F(FrameRingTest, ARacingWriterNeverTearsAFrame) {
     writing.join();
 }
 
+TEST_F(FrameRingTest, AQuickWriterNeverLooksBrokenToASlowReader) {
+    const Image<std::uint16_t> tiny(4, 4, 7);
+    std::atomic<bool> stop{false};
+    std::thread writing([&] {
+        for (std::uint64_t i = 1; !stop; ++i)
+            ASSERT_TRUE(writer_->write({.sequence = i, .depth = tiny.view()}, 1));
+    });
+    for (int taken = 0; taken < 200'000;) {
+        DepthFrame frame;
+        const RingReader::Status status = reader_->take(frame);
+        if (status == RingReader::Status::broken) {
+            ADD_FAILURE() << "after " << taken << " frames";
+            break;
+        }
+        taken += status == RingReader::Status::frame ? 1 : 0;
+    }
+    stop = true;
+    writing.join();
+}
+
 TEST_F(FrameRingTest, APictureThatDoesNotFitIsRefused) {
     const Image<std::uint16_t> large(static_cast<int>(kRingMaxWidth) + 1, 4);
     EXPECT_FALSE(writer_->write({.depth = large.view()}, 1));

@@ -15,7 +15,7 @@ using std::chrono::seconds;
 
 class ProcessCameraTest : public testing::Test {
   protected:
-    std::unique_ptr<ProcessCamera> make(const std::string& deed, Duration openWait = seconds(20)) {
+    std::unique_ptr<ProcessCamera> make(const std::string& deed, Duration openWait = seconds(60)) {
         return makeProcessCamera({.program = CHEVAL_TEST_SENSOR, .arguments = {deed}, .openWait = openWait}, clock_);
     }
     /// Waits through time-outs for something else; timedOut after half a minute.
@@ -171,6 +171,19 @@ TEST_F(ProcessCameraTest, AHangingReadIsSilence) {
     EXPECT_LE(frames, 3);
 }
 
+TEST_F(ProcessCameraTest, AProcessThatDoesNotAnswerIsLost) {
+    const auto camera = make("hang-read");
+    ASSERT_TRUE(camera->open());
+    DepthFrame frame;
+    while (camera->waitFrame(milliseconds(500), frame) == FrameStatus::frame)
+        continue;
+    const pid_t process = camera->process();
+    ASSERT_TRUE(camera->restartStream());
+    EXPECT_EQ(outcome(*camera, frame), FrameStatus::lost);
+    EXPECT_NE(camera->lossReason()->cause.find("did not answer"), std::string::npos);
+    EXPECT_NE(::kill(process, 0), 0);
+}
+
 TEST_F(ProcessCameraTest, RestartingTheStreamBringsASilentOneBack) {
     const auto camera = make("silent-after-three");
     ASSERT_TRUE(camera->open());
@@ -189,7 +202,7 @@ TEST_F(ProcessCameraTest, AMissingProgramIsNamed) {
     EXPECT_EQ(opened.error().file, "/nowhere/cheval-sensor");
 }
 
-TEST_F(ProcessCameraTest, NothingRemainsOfThirtyProcesses) {
+TEST_F(ProcessCameraTest, NothingRemainsOfTenProcesses) {
     const auto use = [&] {
         const auto camera = make("");
         ASSERT_TRUE(camera->open());
@@ -199,7 +212,7 @@ TEST_F(ProcessCameraTest, NothingRemainsOfThirtyProcesses) {
     };
     use();
     const test::ProcessUse before;
-    for (int i = 0; i < 30; ++i)
+    for (int i = 0; i < 10; ++i)
         use();
     const test::ProcessUse after;
     EXPECT_EQ(after.descriptors, before.descriptors);

@@ -96,6 +96,7 @@ int main(int argc, char** argv) {
         // No message of this release.
         return ::write(hal::kControlDescriptor, "hello", 5) == 5 ? EXIT_SUCCESS : EXIT_FAILURE;
     }
+    hal::endWithTheOtherSide();
     BadCamera camera(deed);
     const auto served = hal::serveSensor(camera, {});
     return served ? EXIT_SUCCESS : EXIT_FAILURE;

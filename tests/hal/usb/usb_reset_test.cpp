@@ -24,7 +24,12 @@ UsbResetOptions options(const std::string& portPath = "", Duration limit = kLong
 class UsbResetTest : public testing::Test {
   protected:
     void TearDown() override {
-        // Nobody is left behind: neither running nor unburied.
+        // Nobody is left behind: neither running nor unburied. One that was given up on may need a moment to be
+        // scheduled.
+        const SteadyClock clock;
+        const TimePoint limit = clock.now() + kLong;
+        while (::waitid(P_ALL, 0, nullptr, WEXITED | WNOHANG | WNOWAIT) != -1 && clock.now() < limit)
+            ChildProcess::reapAbandoned();
         EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1);
     }
 
