@@ -172,6 +172,14 @@ void checkTogether(LoadedSettings& loaded) {
             "the preview shows what the camera sees to whoever uses this machine, so it is off unless it is asked for");
         restore(loaded, "display.kind");
     }
+    const auto& buttons = settings.buttons;
+    if (buttons.source == ButtonSource::gpio && buttons.next.empty() && buttons.previous.empty() &&
+        buttons.view.empty() && buttons.service.empty() && buttons.wake.empty()) {
+        refuse(loaded, "buttons.source", "no button is wired",
+               "name at least one line, such as next = \"GPIO17\", or set source = \"none\"",
+               "without a line there is nothing to press");
+        restore(loaded, "buttons.source");
+    }
     if (settings.zone.nearMetres >= settings.zone.farMetres) {
         refuse(loaded, "zone.near_m", "the zone ends before it begins", "make zone.near_m less than zone.far_m",
                "nobody could stand in it");

@@ -99,6 +99,11 @@ class ValueReader {
                      .key = std::string(setting_.path)};
     }
     [[nodiscard]] Error wrongType() const {
+        // A line's number, say, is a text too: quoted it is what was meant.
+        if (const auto number = node_.value_exact<std::int64_t>(); number && setting_.kind == SettingKind::text) {
+            return problem("is a whole number but must be a text",
+                           "write it like: " + std::string(setting_.key) + " = \"" + std::to_string(*number) + "\"");
+        }
         return problem("is " + std::string(typeName(node_)) + " but must be a " + std::string(kindName(setting_.kind)),
                        "write it like: " + example(setting_));
     }

@@ -175,7 +175,9 @@ int run(int argc, char** argv) {
     ReplayArguments arguments;
     auto* replayCommand =
         app.add_subcommand("replay", "Play a recording through the mirror's own pipeline")->fallthrough();
-    replayCommand->add_option("source", arguments.options.source, "Folder of 16-bit depth PNGs with a sensor.json")
+    replayCommand
+        ->add_option("source", arguments.options.source,
+                     "An .oni file, or a folder of 16-bit depth PNGs with a sensor.json")
         ->required();
     replayCommand->add_option("--tracks", arguments.options.tracks,
                               "Write joints, hands, measurements and events as JSON lines");
@@ -200,7 +202,7 @@ int run(int argc, char** argv) {
     recordCommand->add_option("folder", recordOptions.folder, "Folder to record into: a new one, or an empty one")
         ->required();
     recordCommand->add_option("--seconds", recordOptions.seconds, "End after this long (default: at Ctrl+C)")
-        ->check(CLI::Range(0.0, 86'400.0));
+        ->check(CLI::Range(0.1, 86'400.0));
     recordCommand->add_option("--frames", recordOptions.frames, "End after so many frames")
         ->check(CLI::Range(1, 1'000'000));
     const daemon::ControlCommands control(app);

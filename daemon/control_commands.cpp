@@ -66,7 +66,11 @@ std::optional<int> ControlCommands::run() const {
     if (next_->parsed()) return tell(bus_, "NextOutfit");
     if (previous_->parsed()) return tell(bus_, "PreviousOutfit");
     if (set_->parsed()) return tell(bus_, "SetOutfit", name_);
-    if (reload_->parsed()) return tell(bus_, "Reload");
+    if (reload_->parsed()) {
+        const int told = tell(bus_, "Reload");
+        if (told == kGood) fmt::print("asked; chevalctl status says under \"settings\" whether they were taken\n");
+        return told;
+    }
     if (!status_->parsed() && !list_->parsed()) return std::nullopt;
     const Expected<MirrorReport> report = askMirror(bus_);
     if (!report) return failed(report.error());

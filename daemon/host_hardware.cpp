@@ -70,7 +70,8 @@ HostHardware::HostHardware(HostHardwareOptions options, const hal::Clock& clock,
         log(Severity::notice, watcher.error().message());
     }
     if (!options_.power.line.line.empty()) {
-        power_.emplace(options_.power, lines != nullptr ? std::move(lines) : hal::makeGpiodLines(), clock_);
+        power_ = std::make_unique<hal::PowerLine>(options_.power,
+                                                  lines != nullptr ? std::move(lines) : hal::makeGpiodLines(), clock_);
         const Expected<void> held = power_->hold();
         if (!held) log(Severity::warning, held.error().message());
     }
@@ -92,7 +93,8 @@ bool HostHardware::available(RecoveryRung rung) const {
         case RecoveryRung::resetUsb:
             return sensorPluggedIn();
         case RecoveryRung::powerCycle:
-            return power_.has_value();
+            // Asked for anew each time: its chip may have come.
+            return power_ != nullptr && power_->hold().hasValue();
         case RecoveryRung::restartDaemon:
         case RecoveryRung::reboot:
             // A sensor that is not there comes back by being plugged in, not by a dark mirror.
@@ -111,7 +113,7 @@ Expected<void> HostHardware::perform(RecoveryRung rung) {
         case RecoveryRung::resetUsb:
             return resetUsb();
         case RecoveryRung::powerCycle:
-            if (power_) return power_->cycle();
+            if (power_ != nullptr) return power_->cycle();
             break;
         case RecoveryRung::restartDaemon:
             return endService(ServiceEnd::restart);

@@ -66,7 +66,7 @@ class HostHardware final : public RecoveryHardware {
     const hal::Clock& clock_;
     std::unique_ptr<hal::UsbWatcher> watcher_;  ///< Null: the USB cannot be watched.
     std::optional<hal::UsbReset> reset_;
-    std::optional<hal::PowerLine> power_;
+    std::unique_ptr<hal::PowerLine> power_;  ///< Null: none is wired.
     hal::TimePoint nextPoll_{};
     std::uint32_t restartsBefore_ = 0;
     std::string countFile_;  ///< Empty: there is none.

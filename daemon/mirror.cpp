@@ -125,6 +125,13 @@ CameraNext Mirror::takeFrame() {
         if (supervisor_.outage() >= kPictureStays) chain_->personMayHaveChanged();
     }
     if (next == CameraNext::frame) otherCamera_ = false;
+    if (supervisor_.recovery().counts() != rungsTold_) {
+        const RecoveryRung rung = supervisor_.recovery().rung();
+        const bool quiet = supervisor_.recovery().counts()[0] != rungsTold_[0] || parts_.runToTheEnd;
+        rungsTold_ = supervisor_.recovery().counts();
+        // A late frame is nobody's news.
+        if (!quiet) log(Severity::notice, "to bring the sensor back: " + std::string(name(rung)));
+    }
     const bool faulty = supervisor_.fault().has_value();
     if (faulty != faulty_ || (faulty && supervisor_.fault()->cause != faultCause_)) {
         faulty_ = faulty;
@@ -201,6 +208,10 @@ void Mirror::afterLoop(hal::Duration taken, bool haveFrame) {
     status_.fault.assign(faultText_);
     status_.recovery = supervisor_.recovery().counts();
     status_.openings = supervisor_.openings();
+    if (chain_->buttonsFault() != status_.buttonsFault.view() && !parts_.runToTheEnd) {
+        const std::string_view fault = chain_->buttonsFault();
+        log(fault.empty() ? Severity::notice : Severity::warning, fault.empty() ? "the buttons work again" : fault);
+    }
     status_.buttonsFault.assign(chain_->buttonsFault());
     status_.avatarView = session.avatarView();
     status_.visits = session.visits();

@@ -143,6 +143,7 @@ class Mirror {
     std::atomic<std::uint64_t> picturesShown_{0};
     std::string faultText_;  ///< Loop thread's; rebuilt only when the fault changes.
     std::string faultCause_;
+    std::array<std::uint64_t, kRecoveryRungCount> rungsTold_{};
     bool faulty_ = false;
     bool noticeWaits_ = false;      ///< A new notice has not been shown yet.
     hal::TimePoint noticeUntil_{};  ///< Until when the service screen is open for it.

@@ -35,8 +35,9 @@ Error explain(const sdbus::Error& error, config::BusKind bus, bool connected) {
     if (!connected) {
         return {.code = ErrorCode::unavailable,
                 .cause = "the " + where + " cannot be reached: " + cleanText(error.getMessage()),
-                .mend = bus == config::BusKind::session ? "set DBUS_SESSION_BUS_ADDRESS, or ask with --bus system"
-                                                        : "see that dbus runs (systemctl status dbus)"};
+                .mend = bus == config::BusKind::session
+                            ? "set DBUS_SESSION_BUS_ADDRESS, or ask with --bus system"
+                            : "see that dbus runs (systemctl status dbus), or ask another bus with --bus"};
     }
     if (name.starts_with("org.cheval.Error.")) {
         return {.code = ErrorCode::notFound, .cause = cleanText(error.getMessage())};

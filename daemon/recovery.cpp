@@ -17,8 +17,8 @@ constexpr hal::Duration kEnumeration = std::chrono::seconds(10);
 /// A new process did not help so often: the next thing is a new machine.
 constexpr std::uint32_t kRestartsBeforeReboot = 3;
 
-constexpr std::array<std::string_view, kRecoveryRungCount> kRungNames = {
-    "retry_read", "restart_stream", "reopen_device", "recycle", "reset_usb", "power_cycle", "restart_daemon", "reboot"};
+constexpr std::array<std::string_view, kRecoveryRungCount> kRungNames = {"retry", "stream", "device", "process",
+                                                                         "usb",   "power",  "daemon", "machine"};
 constexpr std::array<std::string_view, 7> kStateNames = {"closed",   "opening", "unproven", "streaming",
                                                          "doubtful", "resting", "ended"};
 constexpr std::array<std::string_view, 9> kEventNames = {"begin", "opened",  "prepared", "refused", "frame",

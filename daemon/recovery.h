@@ -25,7 +25,7 @@ enum class RecoveryRung : std::uint8_t {
     reboot,         ///< End with the status at which systemd reboots the machine.
 };
 constexpr std::size_t kRecoveryRungCount = 8;
-/// In the words of settings and status, e.g. "restart_stream".
+/// In the words of settings and status: retry, stream, device, process, usb, power, daemon, machine.
 std::string_view name(RecoveryRung rung);
 
 enum class RecoveryState : std::uint8_t {

@@ -125,8 +125,12 @@ class OpenNiCameraImplementation final : public OpenNiCamera {
         compromises_.clear();
         const std::string& uri = recorded() ? options_.recording : options_.device;
         if (device_.open(uri.empty() ? openni::ANY_DEVICE : uri.c_str()) != openni::STATUS_OK) {
-            Error error = recorded() ? openNiError("the recording cannot be opened", "name an .oni file of OpenNI 2")
-                                     : openNiError("no depth sensor could be opened");
+            Error error =
+                recorded()
+                    ? openNiError("the recording cannot be opened", "name an .oni file of OpenNI 2")
+                    : openNiError("no depth sensor could be opened",
+                                  "check the sensor's cable and its power, and that OpenNI2 has a driver for it; it is "
+                                  "opened again by itself");
             if (recorded()) error.file = uri;
             return error;
         }

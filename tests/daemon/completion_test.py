@@ -74,7 +74,7 @@ def main():
     control = programs[0]
     if offered(completion, control, ["outfit", "set", ""]):
         faults.append("outfits are offered although no mirror runs")
-    if offered(completion, control, ["re"]) != {"replay", "reload"}:
+    if offered(completion, control, ["re"]) != {"record", "replay", "reload"}:
         faults.append("a beginning of a subcommand is not completed")
     folder = str(pathlib.Path(completion).parent)
     if f"{folder}/README.md" not in offered(completion, control, ["replay", f"{folder}/READ"]):

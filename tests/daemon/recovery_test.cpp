@@ -49,7 +49,7 @@ class Driver {
 
     RecoveryMachine& machine() { return machine_; }
     [[nodiscard]] hal::TimePoint now() const { return now_; }
-    /// What was done, e.g. "open restart_stream reopen_device", and forgets it.
+    /// What was done, e.g. "open stream device", and forgets it.
     std::string done() { return std::exchange(done_, std::string()); }
 
     void reach(RecoveryState state) {
@@ -101,9 +101,9 @@ opened      closed          unproven                  unproven                  
 prepared    closed          opening                   unproven                   streaming                  doubtful                   resting                    ended
 refused     closed          resting                   unproven                   streaming                  doubtful                   resting                    ended
 frame       streaming       streaming                 streaming                  streaming                  streaming                  streaming                  ended
-lost        reopen_device → opening resting           resting                    reopen_device → opening    reopen_device → opening    resting                    ended
-arrived     closed          opening                   unproven                   streaming                  doubtful                   reopen_device → opening    ended
-timer       -               resting                   resting                    doubtful                   restart_stream → opening   reopen_device → opening    -
+lost        device → opening resting           resting                    device → opening    device → opening    resting                    ended
+arrived     closed          opening                   unproven                   streaming                  doubtful                   device → opening    ended
+timer       -               resting                   resting                    doubtful                   stream → opening   device → opening    -
 ended       ended           ended                     ended                      ended                      ended                      ended                      ended
 )";
 
@@ -153,46 +153,45 @@ TEST_P(RecoveryChain, isExactlyThis) {
     EXPECT_EQ(driver.done(), GetParam().done);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Recovery, RecoveryChain,
-    testing::Values(Chain{"aLateFrameIsWaitedFor",
-                          [](Driver& driver) {
-                              driver.pass(milliseconds(900), RecoveryEvent::opened);
-                              driver.framesFor(seconds(1));
-                          },
-                          ""},
-                    Chain{"silenceClimbsFromTheStreamUp",
-                          [](Driver& driver) { driver.pass(minutes(1), RecoveryEvent::opened); },
-                          "restart_stream reopen_device reopen_device recycle recycle reset_usb power_cycle"},
-                    Chain{"aLossBeginsWithTheDevice",
-                          [](Driver& driver) {
-                              driver.tell(RecoveryEvent::lost);
-                              driver.tell(RecoveryEvent::refused);
-                              driver.pass(seconds(10), RecoveryEvent::refused);
-                          },
-                          "reopen_device reopen_device recycle recycle reset_usb"},
-                    Chain{"aHangingOpeningIsRecycled",
-                          [](Driver& driver) {
-                              driver.tell(RecoveryEvent::lost);
-                              driver.pass(seconds(20), RecoveryEvent::timer);
-                          },
-                          "reopen_device recycle"},
-                    Chain{"framesEndIt",
-                          [](Driver& driver) {
-                              driver.tell(RecoveryEvent::lost);
-                              driver.tell(RecoveryEvent::opened);
-                              driver.framesFor(seconds(60));
-                          },
-                          "reopen_device"},
-                    Chain{"whatWasPluggedInIsOpenedAtOnce",
-                          [](Driver& driver) {
-                              driver.tell(RecoveryEvent::lost);
-                              driver.tell(RecoveryEvent::refused);
-                              driver.pass(milliseconds(100), RecoveryEvent::refused);
-                              driver.tell(RecoveryEvent::arrived);
-                          },
-                          "reopen_device reopen_device"}),
-    [](const testing::TestParamInfo<Chain>& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(Recovery, RecoveryChain,
+                         testing::Values(Chain{"aLateFrameIsWaitedFor",
+                                               [](Driver& driver) {
+                                                   driver.pass(milliseconds(900), RecoveryEvent::opened);
+                                                   driver.framesFor(seconds(1));
+                                               },
+                                               ""},
+                                         Chain{"silenceClimbsFromTheStreamUp",
+                                               [](Driver& driver) { driver.pass(minutes(1), RecoveryEvent::opened); },
+                                               "stream device device process process usb power"},
+                                         Chain{"aLossBeginsWithTheDevice",
+                                               [](Driver& driver) {
+                                                   driver.tell(RecoveryEvent::lost);
+                                                   driver.tell(RecoveryEvent::refused);
+                                                   driver.pass(seconds(10), RecoveryEvent::refused);
+                                               },
+                                               "device device process process usb"},
+                                         Chain{"aHangingOpeningIsRecycled",
+                                               [](Driver& driver) {
+                                                   driver.tell(RecoveryEvent::lost);
+                                                   driver.pass(seconds(20), RecoveryEvent::timer);
+                                               },
+                                               "device process"},
+                                         Chain{"framesEndIt",
+                                               [](Driver& driver) {
+                                                   driver.tell(RecoveryEvent::lost);
+                                                   driver.tell(RecoveryEvent::opened);
+                                                   driver.framesFor(seconds(60));
+                                               },
+                                               "device"},
+                                         Chain{"whatWasPluggedInIsOpenedAtOnce",
+                                               [](Driver& driver) {
+                                                   driver.tell(RecoveryEvent::lost);
+                                                   driver.tell(RecoveryEvent::refused);
+                                                   driver.pass(milliseconds(100), RecoveryEvent::refused);
+                                                   driver.tell(RecoveryEvent::arrived);
+                                               },
+                                               "device device"}),
+                         [](const testing::TestParamInfo<Chain>& test) { return test.param.name; });
 
 TEST(RecoveryMachine, backsOffUpToABoundAndAnArrivalResetsIt) {
     Driver driver;
