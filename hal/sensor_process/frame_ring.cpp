@@ -137,16 +137,23 @@ Expected<void> RingWriter::write(const DepthFrame& frame, std::uint32_t opening)
 }
 
 bool RingReader::lentWasLeftAlone() const {
-    return !lent_ || slot(memory_.data(), *lent_).lock.load(std::memory_order_acquire) == lentLock_;
+    if (!lent_) return true;
+    // A sound writer may try the lock in the very moment of the claim, sees the claim, and puts it back untouched.
+    const std::uint32_t lock = slot(memory_.data(), *lent_).lock.load(std::memory_order_acquire);
+    return lock == lentLock_ || lock == lentLock_ + 1;
 }
 
 RingReader::Status RingReader::take(DepthFrame& frame) {
     std::byte* memory = memory_.data();
     Header& head = header(memory);
     if (!lentWasLeftAlone()) return Status::broken;
-    // A sound writer can get in between once for each frame that it writes meanwhile, and it writes thirty a second.
+    // A sound writer can get in between, with a newer frame each time.
+    std::uint64_t first = 0;
+    bool overtaken = false;
     for (int tries = 0; tries < 16; ++tries) {
         const std::uint64_t newest = head.newest.load(std::memory_order_acquire);
+        if (tries == 0) first = newest;
+        overtaken = overtaken || newest != first;
         const std::uint64_t serial = newest >> kSlotBits;
         const auto index = static_cast<std::uint32_t>(newest & ((1U << kSlotBits) - 1));
         if (serial == lastSerial_) return Status::nothing;
@@ -177,7 +184,8 @@ RingReader::Status RingReader::take(DepthFrame& frame) {
         if (meta.colour != 0) frame.colour = {colour(memory, index), width, height, width};
         return Status::frame;
     }
-    return Status::broken;
+    // Always the same frame, and never whole: no sound writer touches what it has published.
+    return overtaken ? Status::nothing : Status::broken;
 }
 
 }  // namespace cheval::hal
