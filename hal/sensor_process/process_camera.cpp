@@ -27,8 +27,7 @@ constexpr Duration kAnswerLimit = std::chrono::seconds(3);  ///< For `close` and
 constexpr int kMessagesAtOnce = 64;
 constexpr Duration kRecordingLimit = std::chrono::seconds(10);  ///< For one frame of a recording to be read.
 
-constexpr const char* kByItself =
-    "it is started again by itself; if that does not help, see journalctl -u cheval";
+constexpr const char* kByItself = "it is started again by itself; if that does not help, see journalctl -u cheval";
 
 /// One life of the sensor process, with what is shared with it.
 struct SensorProcess {
