@@ -20,8 +20,8 @@ class AllocationCounter {
     AllocationCounter& operator=(const AllocationCounter&) = delete;
 
     [[nodiscard]] std::uint64_t count() const;
-    /// Of those, the calls of operator new. Near to what our own code took, and no more than near: C++ libraries (LLVM in
-    /// the GL driver) call it too, while Eigen, aligned new and C libraries call malloc. Always 0 under a sanitizer,
+    /// Of those, the calls of operator new. Near to what our own code took, and no more than near: C++ libraries (LLVM
+    /// in the GL driver) call it too, while Eigen, aligned new and C libraries call malloc. Always 0 under a sanitizer,
     /// which owns operator new.
     [[nodiscard]] std::uint64_t countNew() const;
 
