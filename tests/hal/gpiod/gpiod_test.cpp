@@ -125,6 +125,18 @@ TEST_F(GpiodButtonsTest, aStuckButtonIsToldAndTheOthersWorkOn) {
     EXPECT_EQ(fault_, "");
 }
 
+TEST_F(GpiodButtonsTest, aStuckButtonWhoseLineIsLostIsNoLongerCalledStuck) {
+    poll();
+    edge("NEXT", true, 100);
+    pollAt(40'000);
+    ASSERT_TRUE(buttons_->stuck(Button::next));
+    chip_->gone = true;
+    chip_->fault = "there is no such chip";
+    EXPECT_EQ(pollAt(40'100), "next-40100");
+    EXPECT_FALSE(buttons_->stuck(Button::next));
+    EXPECT_THAT(fault_, testing::Not(testing::HasSubstr("stuck")));
+}
+
 TEST_F(GpiodButtonsTest, heldFromBeforeTheStartIsNoPressAndMayBeStuck) {
     chip_->levels["NEXT"] = true;
     EXPECT_EQ(poll(), "");
@@ -172,6 +184,8 @@ TEST_F(GpiodButtonsTest, aChipThatVanishesAndReturnsIsTakenUpAgain) {
     EXPECT_THAT(fault_, testing::HasSubstr("button next"));
     EXPECT_THAT(fault_, testing::HasSubstr("gone"));
     EXPECT_EQ(chip_->held, 0);
+    EXPECT_EQ(pollAt(1000), "") << "once, however often it is asked for in vain";
+    EXPECT_THAT(fault_, testing::HasSubstr("there is no such chip"));
     chip_->fault.clear();
     chip_->levels["NEXT"] = false;
     pollAt(5000);
