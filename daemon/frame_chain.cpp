@@ -203,7 +203,8 @@ void FrameChain::pollButtons() {
             fault = writeFault(count.error(), buttonsFault_);
         }
     }
-    if (fault.empty()) buttonsFault_.assign("");
+    // Events are told before faults, so that only silence says that nothing is wrong.
+    if (fault.empty() && eventCount_ == 0) buttonsFault_.assign("");
     commandCount_ = input_->commands == nullptr ? 0 : input_->commands->take(commands_);
 }
 

@@ -42,4 +42,11 @@ void ButtonFilter::edge(bool active, TimePoint time) {
     changed_ = std::max(time, advanced_);
 }
 
+std::optional<ButtonEvent> ButtonFilter::end(TimePoint now) {
+    const bool reported = reported_;
+    begin(false, now);
+    if (!reported) return std::nullopt;
+    return ButtonEvent{.action = ButtonAction::released, .time = now};
+}
+
 }  // namespace cheval::hal

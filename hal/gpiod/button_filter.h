@@ -26,6 +26,8 @@ class ButtonFilter {
     std::optional<ButtonEvent> advance(TimePoint time);
     /// An edge; advance(time) has been emptied before. One that is told late counts from when it was told.
     void edge(bool active, TimePoint time);
+    /// The line cannot be read any more: the release of what was told as pressed. Goes on with begin().
+    std::optional<ButtonEvent> end(TimePoint now);
 
     [[nodiscard]] bool stuck() const { return stuck_; }
 

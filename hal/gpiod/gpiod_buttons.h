@@ -22,9 +22,9 @@ struct GpiodButtonsOptions {
     Duration longestPause = std::chrono::seconds(30);      ///< … up to this.
 };
 
-/// Lines are requested by the first poll, and again after a failure: a chip that is absent, busy or renamed is an error
-/// of poll() for as long as it lasts, and the mirror goes on without. `clock` is on the time line of the provider's
-/// edges (SteadyClock for the kernel's). A button that is stuck is an error too, and the others work on.
+/// Lines are requested by the first poll, and each again after a failure: a line that is absent, busy or lost is an
+/// error of poll() for as long as it lasts, the others work on, and so does the mirror. `clock` is on the time line of
+/// the provider's edges (SteadyClock for the kernel's). A button that is stuck is an error too.
 class GpiodButtons : public Buttons {
   public:
     /// True while this button has been held longer than anybody would.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <deque>
 #include <map>
 #include <memory>
@@ -19,12 +20,14 @@ struct FakeChip {
     std::map<std::string, bool> levels;
     std::map<std::string, std::vector<std::pair<TimePoint, bool>>> driven;  ///< What outputs were set to.
     std::string fault;                                                      ///< Requests fail with this; empty: none.
-    bool gone = false;                                                      ///< Lines in use fail.
+    std::map<std::string, std::string> faults;                              ///< The same, for one line alone.
+    std::size_t room = SIZE_MAX;  ///< Edges of a line that wait; what comes beyond is lost. The kernel has room for 16.
+    bool gone = false;            ///< Lines in use fail.
     int requests = 0;
     int held = 0;  ///< Lines in use.
 
     void edge(const std::string& line, bool active, TimePoint time) {
-        edges[line].push_back({.active = active, .time = time});
+        if (edges[line].size() < room) edges[line].push_back({.active = active, .time = time});
         levels[line] = active;
     }
 };
@@ -37,6 +40,8 @@ class FakeLines final : public LineProvider {
         ++chip_->requests;
         if (!chip_->fault.empty())
             return Error{.code = ErrorCode::unavailable, .cause = chip_->fault, .mend = "see gpioinfo"};
+        if (const auto fault = chip_->faults.find(wiring.line); fault != chip_->faults.end())
+            return Error{.code = ErrorCode::unavailable, .cause = fault->second, .mend = "see gpioinfo"};
         chip_->gone = false;
         return std::unique_ptr<InputLine>(std::make_unique<Input>(chip_, wiring.line));
     }

@@ -125,6 +125,18 @@ TEST_F(GpiodButtonsTest, aStuckButtonIsToldAndTheOthersWorkOn) {
     EXPECT_EQ(fault_, "");
 }
 
+TEST_F(GpiodButtonsTest, aStuckButtonWhoseLineIsLostIsNoLongerCalledStuck) {
+    poll();
+    edge("NEXT", true, 100);
+    pollAt(40'000);
+    ASSERT_TRUE(buttons_->stuck(Button::next));
+    chip_->gone = true;
+    chip_->fault = "there is no such chip";
+    EXPECT_EQ(pollAt(40'100), "next-40100");
+    EXPECT_FALSE(buttons_->stuck(Button::next));
+    EXPECT_THAT(fault_, testing::Not(testing::HasSubstr("stuck")));
+}
+
 TEST_F(GpiodButtonsTest, heldFromBeforeTheStartIsNoPressAndMayBeStuck) {
     chip_->levels["NEXT"] = true;
     EXPECT_EQ(poll(), "");
@@ -168,15 +180,63 @@ TEST_F(GpiodButtonsTest, aChipThatVanishesAndReturnsIsTakenUpAgain) {
     EXPECT_EQ(pollAt(200), "next+100");
     chip_->gone = true;
     chip_->fault = "there is no such chip";
-    pollAt(300);
+    EXPECT_EQ(pollAt(300), "next-300") << "what was told as pressed is told as released";
+    EXPECT_THAT(fault_, testing::HasSubstr("button next"));
     EXPECT_THAT(fault_, testing::HasSubstr("gone"));
     EXPECT_EQ(chip_->held, 0);
+    EXPECT_EQ(pollAt(1000), "") << "once, however often it is asked for in vain";
+    EXPECT_THAT(fault_, testing::HasSubstr("there is no such chip"));
     chip_->fault.clear();
     chip_->levels["NEXT"] = false;
     pollAt(5000);
     EXPECT_EQ(fault_, "");
     edge("NEXT", true, 6000);
     EXPECT_EQ(pollAt(6100), "next+6000");
+}
+
+TEST_F(GpiodButtonsTest, aReleaseThatTheKernelHadNoRoomForLeavesNoButtonPressed) {
+    chip_->room = 16;
+    poll();
+    for (int i = 0; i < 17; ++i)
+        edge("NEXT", i % 2 == 1, 100 + i);
+    EXPECT_EQ(pollAt(120), "");
+    EXPECT_EQ(pollAt(1200), "") << "nobody holds it";
+    edge("NEXT", true, 2000);
+    EXPECT_EQ(pollAt(2100), "next+2000");
+}
+
+TEST_F(GpiodButtonsTest, aPressThatTheKernelHadNoRoomForIsToldFromWhenItIsSeen) {
+    chip_->room = 16;
+    poll();
+    for (int i = 0; i < 17; ++i)
+        edge("NEXT", i % 2 == 0, 100 + i);
+    EXPECT_EQ(pollAt(120), "");
+    EXPECT_EQ(pollAt(150), "next+120");
+}
+
+TEST_F(GpiodButtonsTest, whatIsToldLaterIsNotOlder) {
+    poll();
+    edge("SERVICE", true, 100);
+    EXPECT_EQ(pollAt(200), "service+100");
+    edge("NEXT", true, 895);
+    EXPECT_EQ(pollAt(910), "service!900") << "the other may be bounce yet";
+    EXPECT_EQ(pollAt(920), "next+900");
+    EXPECT_EQ(pollAt(930), "");
+}
+
+TEST_F(GpiodButtonsTest, theLineThatIsRefusedCostsNoOther) {
+    chip_->faults["NEXT"] = "held by gpiomon";
+    poll();
+    EXPECT_THAT(fault_, testing::HasSubstr("button next"));
+    EXPECT_EQ(chip_->held, 1);
+    edge("SERVICE", true, 100);
+    EXPECT_EQ(pollAt(200), "service+100");
+    EXPECT_THAT(fault_, testing::HasSubstr("held by gpiomon")) << "it is still so";
+    chip_->faults.clear();
+    edge("SERVICE", false, 300);
+    EXPECT_EQ(pollAt(1000), "service-300") << "nothing is lost while the other is taken up";
+    EXPECT_EQ(fault_, "");
+    EXPECT_EQ(chip_->held, 2);
 }
 
 TEST_F(GpiodButtonsTest, anyEdgesGivePressesAndReleasesInTurnAndInOrder) {
@@ -223,6 +283,56 @@ TEST_F(GpiodButtonsTest, anyEdgesGivePressesAndReleasesInTurnAndInOrder) {
             }
         }
     }
+}
+
+TEST_F(GpiodButtonsTest, anyEdgesOfSeveralLinesOnAChipThatComesAndGoesAreToldInTurnAndInOrder) {
+    constexpr std::array<const char*, 2> kNames = {"NEXT", "SERVICE"};
+    std::size_t told = 0;
+    for (unsigned seed = 0; seed < 200; ++seed) {
+        std::mt19937 random(seed);
+        VirtualClock clock;
+        auto chip = std::make_shared<FakeChip>();
+        chip->room = 16;
+        const auto buttons = makeGpiodButtons({.wirings = {{.button = Button::next, .line = {.line = "NEXT"}},
+                                                           {.button = Button::service, .line = {.line = "SERVICE"}}}},
+                                              std::make_unique<FakeLines>(chip, clock), clock);
+        std::array<ButtonEvent, 3> events;
+        std::array<bool, 2> pressed{};
+        TimePoint last{};
+        for (int turn = 0; turn < 600; ++turn) {
+            clock.advance(milliseconds(1 + random() % 60));
+            if (random() % 100 == 0) chip->gone = true;
+            for (const char* name : kNames) {
+                const std::size_t count = random() % 4 == 0 ? random() % 24 : 0;
+                for (std::size_t i = 0; i < count; ++i)
+                    chip->edge(name, random() % 2 == 0, clock.now() - std::chrono::microseconds((count - i) * 40));
+            }
+            const Expected<std::size_t> count = buttons->poll(events);
+            if (!count) continue;
+            for (std::size_t i = 0; i < *count; ++i) {
+                const ButtonEvent& event = events.at(i);
+                ASSERT_GE(event.time, last) << "seed " << seed << ", turn " << turn;
+                ASSERT_LE(event.time, clock.now());
+                bool& held = pressed.at(event.button == Button::next ? 0 : 1);
+                ASSERT_EQ(event.action != ButtonAction::pressed, held) << "seed " << seed << ", turn " << turn;
+                held = event.action != ButtonAction::released;
+                last = event.time;
+                ++told;
+            }
+        }
+        // Left alone, each button is in the end what its line is.
+        chip->gone = false;
+        for (int turn = 0; turn < 100; ++turn) {
+            clock.advance(seconds(1));
+            const Expected<std::size_t> count = buttons->poll(events);
+            for (std::size_t i = 0; count && i < *count; ++i)
+                pressed.at(events.at(i).button == Button::next ? 0 : 1) = events.at(i).action != ButtonAction::released;
+        }
+        for (std::size_t i = 0; i < kNames.size(); ++i)
+            ASSERT_TRUE(chip->levels[kNames.at(i)] || !pressed.at(i)) << kNames.at(i) << ", seed " << seed;
+        EXPECT_EQ(buttons->dropped(), 0U);
+    }
+    EXPECT_GT(told, 1000U);
 }
 
 TEST(GpiodLines, anAbsentChipAndAnUnknownNameAreRefusedWithWords) {
