@@ -1,7 +1,6 @@
 // The only process that links OpenNI2: it may hang, leak or die, and chevald kills and starts it again.
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
 #include <memory>
 #include <string>
 
@@ -9,6 +8,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 
+#include "daemon/guarded_main.h"
 #include "daemon/log.h"
 #include "hal/openni/openni_camera.h"
 #include "hal/sensor_process/sensor_server.h"
@@ -66,12 +66,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    try {
-        return run(argc, argv);
-    } catch (const std::exception& fault) {
-        std::fputs("error: ", stderr);
-        std::fputs(fault.what(), stderr);
-        std::fputc('\n', stderr);
-        return kFailed;
-    }
+    return cheval::daemon::guardedMain(run, argc, argv, kFailed);
 }

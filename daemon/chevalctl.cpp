@@ -2,7 +2,6 @@
 #include <charconv>
 #include <cstdint>
 #include <cstdio>
-#include <exception>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,6 +13,7 @@
 #include "config/loader.h"
 #include "config/settings_table.h"
 #include "daemon/control_commands.h"
+#include "daemon/guarded_main.h"
 #include "daemon/log.h"
 #include "daemon/record_run.h"
 #include "daemon/replay_run.h"
@@ -226,12 +226,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    try {
-        return run(argc, argv);
-    } catch (const std::exception& fault) {
-        std::fputs("error: ", stderr);
-        std::fputs(fault.what(), stderr);
-        std::fputc('\n', stderr);
-        return kFailed;
-    }
+    return cheval::daemon::guardedMain(run, argc, argv, kFailed);
 }

@@ -1,6 +1,5 @@
 // The daemon: the mirror itself.
 #include <cstdio>
-#include <exception>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -8,6 +7,7 @@
 #include <unistd.h>
 
 #include "config/loader.h"
+#include "daemon/guarded_main.h"
 #include "daemon/log.h"
 #include "daemon/message_ids.h"
 #include "daemon/once.h"
@@ -132,12 +132,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    try {
-        return run(argc, argv);
-    } catch (const std::exception& fault) {
-        std::fputs("error: ", stderr);
-        std::fputs(fault.what(), stderr);
-        std::fputc('\n', stderr);
-        return kFailed;
-    }
+    return cheval::daemon::guardedMain(run, argc, argv, kFailed);
 }
