@@ -133,8 +133,13 @@ TEST_P(CameraConformanceTest, FramesComeInOrderAtTheirRateAndSizeAndNeverEarly) 
             EXPECT_GT(frame.sequence, before.sequence);
             EXPECT_GT(frame.captureTime, before.captureTime);
             const double expected = static_cast<double>(frame.sequence - first.sequence) / info.framesPerSecond;
-            // A live device's time is found out from its first frames on.
-            EXPECT_NEAR(hal::seconds(frame.captureTime - first.captureTime), expected, GetParam().live ? 0.02 : 0.001);
+            const double elapsed = hal::seconds(frame.captureTime - first.captureTime);
+            EXPECT_LE(elapsed, expected + (GetParam().live ? 0.02 : 0.001));
+            // A live device's time is found out from arrivals: where a busy machine took the first frame late, the
+            // frames after it seem nearer to it than they are.
+            if (!GetParam().live) {
+                EXPECT_GE(elapsed, expected - 0.001);
+            }
             if (!info.independent) {
                 EXPECT_FALSE(frame.restart);
                 EXPECT_TRUE(frame.lastOfStill);
