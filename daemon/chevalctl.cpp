@@ -2,6 +2,7 @@
 #include <charconv>
 #include <cstdint>
 #include <cstdio>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -31,6 +32,10 @@ constexpr int kBadSettings = 3;
 constexpr const char* kFooter =
     "Exit status: 0 all went well; 1 it could not be done; 2 the command line is wrong; 3 the settings are "
     "refused; 4 a part of the mirror is at fault (status).";
+
+const std::map<std::string, daemon::ReplayView> kReplayViews{{"mirror", daemon::ReplayView::mirror},
+                                                             {"avatar", daemon::ReplayView::avatar},
+                                                             {"tracking", daemon::ReplayView::tracking}};
 
 struct ReplayArguments {
     daemon::ReplayRunOptions options;
@@ -110,7 +115,14 @@ int replay(const config::LoadOptions& where, ReplayArguments& arguments) {
         daemon::log(Severity::error, sized.error().message());
         return kUsage;
     }
-    arguments.options.avatarView = arguments.view == "avatar";
+    if (arguments.view == "tracking" && !arguments.size.empty()) {
+        daemon::log(Severity::error, Error{.code = ErrorCode::invalidInput,
+                                           .cause = "--size: the tracking view is always twice the sensor's picture",
+                                           .mend = "leave --size out, or choose another --view"}
+                                         .message());
+        return kUsage;
+    }
+    arguments.options.view = kReplayViews.at(arguments.view);
     arguments.options.realTime = arguments.speed == "real";
     const Expected<daemon::ReplayReport> report = daemon::replayRecording(loaded.settings, arguments.options);
     if (!report) {
@@ -182,10 +194,12 @@ int run(int argc, char** argv) {
     replayCommand->add_option("--tracks", arguments.options.tracks,
                               "Write joints, hands, measurements and events as JSON lines");
     replayCommand->add_option("--frames", arguments.options.frames,
-                              "Write what the mirror shows as PNG files into this folder");
+                              "Write what the mirror shows, or the tracking view, as PNG files into this folder");
     replayCommand->add_option("--outfit", arguments.options.outfit, "Garments to wear, e.g. tshirt,trousers");
-    replayCommand->add_option("--view", arguments.view, "What is drawn: mirror or avatar")
-        ->check(CLI::IsMember({"mirror", "avatar"}))
+    replayCommand
+        ->add_option("--view", arguments.view,
+                     "What is drawn: mirror, avatar, or what tracking sees in the depth picture")
+        ->check(CLI::IsMember({"mirror", "avatar", "tracking"}))
         ->capture_default_str();
     replayCommand->add_option("--speed", arguments.speed, "As fast as it goes (max) or at the recording's pace (real)")
         ->check(CLI::IsMember({"max", "real"}))

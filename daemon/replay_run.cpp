@@ -12,8 +12,10 @@
 #include "daemon/mirror.h"
 #include "daemon/room_options.h"
 #include "daemon/tracks_writer.h"
+#include "fitting/tracking/hand_region.h"
 #include "hal/png/png.h"
 #include "hal/replay/replay_camera.h"
+#include "render/tracking_view.h"
 
 namespace cheval::daemon {
 
@@ -65,9 +67,9 @@ class PictureFiles {
   public:
     explicit PictureFiles(std::string folder) : folder_(std::move(folder)) {}
 
-    void write(const FramePacket& packet, hal::ImageView<const hal::Rgba8> picture) {
-        if (folder_.empty() || !packet.hasPicture || error_) return;
-        const std::string path = (fs::path(folder_) / fmt::format("frame-{:06}.png", packet.sourceIndex)).string();
+    void write(std::uint64_t sourceIndex, hal::ImageView<const hal::Rgba8> picture) {
+        if (error_) return;
+        const std::string path = (fs::path(folder_) / fmt::format("frame-{:06}.png", sourceIndex)).string();
         Expected<void> written = hal::writePng(path, picture, {.compression = 3});
         if (!written) {
             error_ = std::move(written).error();
@@ -75,6 +77,7 @@ class PictureFiles {
         }
         ++count_;
     }
+    [[nodiscard]] bool wanted() const { return !folder_.empty(); }
     [[nodiscard]] const std::optional<Error>& error() const { return error_; }
     [[nodiscard]] std::uint64_t count() const { return count_; }
 
@@ -83,6 +86,41 @@ class PictureFiles {
     std::optional<Error> error_;
     std::uint64_t count_ = 0;
 };
+
+/// What the tracking view shows of the frame that the chain has just taken in.
+render::TrackingPicture trackingPicture(const hal::DepthFrame& frame, const FrameChain& chain) {
+    const fitting::Tracker& tracker = chain.tracker();
+    const fitting::Skeleton& skeleton = tracker.skeleton();
+    render::TrackingPicture picture{.frame = &frame,
+                                    .users = &tracker.users(),
+                                    .skeleton = &skeleton,
+                                    .hands = &chain.hands(),
+                                    .placement = tracker.placement()};
+    if (skeleton.present()) {
+        picture.handRegion = fitting::tracking::HandRegionJob::kSideFactor *
+                             (skeleton[fitting::Joint::head].position - skeleton[fitting::Joint::neck].position).norm();
+        const fitting::Measurements* measurements = chain.measurements();
+        if (measurements != nullptr) picture.stature = (*measurements)[fitting::Dimension::stature];
+    }
+    return picture;
+}
+
+/// Made with the first frame, whose size it takes.
+Expected<void> writeTrackingView(std::optional<render::TrackingView>& view, const render::TrackingPicture& picture,
+                                 bool draw, PictureFiles& files) {
+    const hal::ImageView<const std::uint16_t> depth = picture.frame->depth;
+    if (!view) {
+        Expected<render::TrackingView> made = render::TrackingView::create(depth.width, depth.height);
+        if (!made) return std::move(made).error();
+        view = std::move(*made);
+    }
+    view->follow(picture);
+    if (!draw) return {};
+    const Expected<hal::ImageView<const hal::Rgba8>> drawn = view->draw(picture);
+    if (!drawn) return drawn.error();
+    files.write(picture.frame->sourceIndex, *drawn);
+    return {};
+}
 
 }  // namespace
 
@@ -93,7 +131,7 @@ Expected<ReplayReport> replayRecording(const config::Settings& given, const Repl
     config::Settings settings = given;
     settings.sensor.source = config::SensorSource::replay;
     settings.display.kind = config::DisplayKind::headless;
-    settings.render.view = options.avatarView ? config::StartView::avatar : config::StartView::mirror;
+    settings.render.view = options.view == ReplayView::avatar ? config::StartView::avatar : config::StartView::mirror;
     Wardrobe wardrobe = loadWardrobe(wardrobeOptions(settings));
     ReplayReport report;
     for (const Error& refusal : wardrobe.refusals)
@@ -135,16 +173,20 @@ Expected<ReplayReport> replayRecording(const config::Settings& given, const Repl
                    .admission = &still,
                    .cost = &steadyClock,
                    .wardrobe = &wardrobe,
-                   .observer = [&files](const FramePacket& packet,
-                                        hal::ImageView<const hal::Rgba8> picture) { files.write(packet, picture); },
+                   .observer =
+                       [&files](const FramePacket& packet, hal::ImageView<const hal::Rgba8> picture) {
+                           if (packet.hasPicture) files.write(packet.sourceIndex, picture);
+                       },
                    .runToTheEnd = true});
     if (!made) return std::move(made).error();
     Mirror& mirror = **made;
-    const bool drawing = !options.frames.empty();
-    const auto draw = [&](const hal::DepthFrame& frame) {
-        if (!drawing || !frame.lastOfStill) return false;
+    const bool tracking = options.view == ReplayView::tracking;
+    const auto wanted = [&](const hal::DepthFrame& frame) {
+        if (!files.wanted() || !frame.lastOfStill) return false;
         return mirror.camera().info().independent || frame.sourceIndex % static_cast<std::uint64_t>(options.every) == 0;
     };
+    const auto draw = [&](const hal::DepthFrame& frame) { return !tracking && wanted(frame); };
+    std::optional<render::TrackingView> trackingView;
 
     while (true) {
         const Expected<StepResult> step = mirror.step(draw);
@@ -156,6 +198,12 @@ Expected<ReplayReport> replayRecording(const config::Settings& given, const Repl
             continue;
         }
         const FrameChain& chain = mirror.chain();
+        if (tracking && files.wanted()) {
+            Expected<void> drawn =
+                writeTrackingView(trackingView, trackingPicture(mirror.frame(), chain), wanted(mirror.frame()), files);
+            if (!drawn) return std::move(drawn).error();
+            if (files.error()) return *files.error();
+        }
         if (tracks != nullptr) tracks->addGestures(chain.hands());
         if (!mirror.frame().lastOfStill) continue;
         ++report.frames;

@@ -65,6 +65,8 @@ void Pen::set(std::string_view text, const TextStyle& style, double width) {
     pango_layout_set_wrap(layout_, PANGO_WRAP_WORD_CHAR);
     pango_layout_set_alignment(layout_, style.align == Align::centre ? PANGO_ALIGN_CENTER : PANGO_ALIGN_LEFT);
     pango_layout_set_text(layout_, text.data(), static_cast<int>(text.size()));
+    // Before anything is measured: text set for another scale is another width.
+    pango_cairo_update_layout(cairo_, layout_);
 }
 
 std::pair<double, double> Pen::measure(std::string_view text, const TextStyle& style, double width) {
@@ -79,7 +81,6 @@ double Pen::text(std::string_view text, const TextStyle& style, double x, double
     const double height = measure(text, style, width).second;
     colour(style.red, style.green, style.blue, style.alpha);
     cairo_move_to(cairo_, x, y);
-    pango_cairo_update_layout(cairo_, layout_);
     pango_cairo_show_layout(cairo_, layout_);
     return height;
 }

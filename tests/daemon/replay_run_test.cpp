@@ -70,6 +70,22 @@ TEST_F(ReplayRunTest, runsEveryTaskOnEveryFrameAndWritesOneRecordEach) {
     }
 }
 
+TEST_F(ReplayRunTest, drawsTheTrackingViewTwiceAsLargeAndWithoutARenderer) {
+    record(6);
+    const Expected<ReplayReport> report =
+        run({.frames = (folder_ / "out").string(), .view = ReplayView::tracking, .every = 4});
+    ASSERT_TRUE(report) << report.error().message();
+    EXPECT_EQ(report->pictures, 2U);
+    EXPECT_EQ(report->renderer, "");
+    hal::Image<hal::Rgba8> picture;
+    ASSERT_TRUE(hal::readPng((folder_ / "out/frame-000004.png").string(), picture));
+    EXPECT_EQ(picture.width, 1280);
+    EXPECT_EQ(picture.height, 960);
+    const hal::Rgba8 wall = picture.view().at(300, 300);
+    EXPECT_EQ(wall.r, wall.b);
+    EXPECT_GT(wall.r, 60);
+}
+
 TEST_F(ReplayRunTest, refusesOniFilesWithAClearWord) {
     const Expected<ReplayReport> report = run({.source = "visit.oni"});
     ASSERT_FALSE(report);

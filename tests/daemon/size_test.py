@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""chevalctl replay --size says what is wrong with a size.
+"""chevalctl replay --size says what is wrong with a size, or that a view has its own.
 
     size_test.py CHEVALCTL
 """
@@ -19,11 +19,13 @@ CASES = {
 
 def main():
     faults = 0
-    for size, expected in CASES.items():
-        ended = subprocess.run([sys.argv[1], "replay", "no-recording", f"--size={size}"], timeout=120,
+    calls = [([f"--size={size}"], expected) for size, expected in CASES.items()]
+    calls.append((["--view", "tracking", "--size=1280x960"], "twice the sensor's picture"))
+    for options, expected in calls:
+        ended = subprocess.run([sys.argv[1], "replay", "no-recording", *options], timeout=120,
                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         if ended.returncode != 2 or expected not in ended.stdout:
-            print(f"failed: --size={size} ended with {ended.returncode} and said: {ended.stdout}", file=sys.stderr)
+            print(f"failed: {' '.join(options)} ended with {ended.returncode} and said: {ended.stdout}", file=sys.stderr)
             faults += 1
     return faults
 

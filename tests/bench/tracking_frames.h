@@ -1,0 +1,36 @@
+// Pre-rendered frames for the benchmarks of tracking, with the truth about them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "fitting/skeleton.h"
+#include "hal/frame.h"
+#include "hal/image.h"
+
+namespace cheval::bench {
+
+/// One frame, kept, with the truth.
+struct TrackingFrame {
+    hal::Image<std::uint16_t> depth;  ///< As a noisy sensor reads it.
+    hal::Image<std::uint16_t> exact;  ///< The same without noise, shadows and failures; empty unless asked for.
+    hal::Image<std::uint8_t> person;  ///< 1 where `exact` shows the shopper; empty unless asked for.
+    fitting::Skeleton skeleton;       ///< Where the joints are, mirror frame; of nobody before and after the visit.
+    hal::DepthFrame frame;            ///< Its depth view is `depth`.
+};
+
+struct VisitRequest {
+    std::uint32_t seed = 1;
+    int first = 0;  ///< Frame numbers of the simulated kiosk, at thirty a second.
+    int count = 0;
+    int step = 1;
+    bool exact = false;
+};
+
+/// Frames of the simulated kiosk.
+std::vector<TrackingFrame> simulatedVisit(const VisitRequest& request);
+
+/// The simulated kiosk's mount.
+hal::Mount simulatedMount();
+
+}  // namespace cheval::bench
