@@ -48,9 +48,12 @@ Dimensions usualDimensions(float stature) {
     return size;
 }
 
-Dimensions dimensionSpread(float stature) {
+Dimensions dimensionSpread(float stature, bool statureKnown) {
+    constexpr float kGuessed = 2.5F;
     Dimensions spread{};
-    const auto set = [&](Dimension dimension, float share) { spread[index(dimension)] = share * stature; };
+    const auto set = [&](Dimension dimension, float share) {
+        spread[index(dimension)] = share * stature * (statureKnown ? 1.0F : kGuessed);
+    };
     set(Dimension::headDrop, 0.006F);
     set(Dimension::trunk, 0.008F);
     set(Dimension::shoulderHalfBreadth, 0.005F);

@@ -35,8 +35,9 @@ using Dimensions = std::array<float, kDimensionCount>;
 /// adults, so what lies below is a share of the rest. Segment lengths: Drillis and Contini (Winter, Biomechanics and
 /// Motor Control of Human Movement, 4th ed., figure 4.1), with joint centres in place of landmarks.
 Dimensions usualDimensions(float stature);
-/// How far people of one stature differ from the usual, one standard deviation, metres.
-Dimensions dimensionSpread(float stature);
+/// How far people of one stature differ from the usual, one standard deviation, metres; of a stature that is only
+/// guessed, further.
+Dimensions dimensionSpread(float stature, bool statureKnown);
 
 /// Both bones of a limb as unit vectors, mirror frame: from the trunk to elbow or knee, and on to palm or ankle.
 struct LimbDirections {

@@ -104,7 +104,7 @@ void BodyDetector::collectPoints(const View& view) {
 
 void BodyDetector::fitLimbs(const View& view, const LimbModel& model,
                             const std::array<Eigen::Vector3f, kSideCount>& roots, const Limbs& before, int evaluations,
-                            LimbPoints& points, Limbs& limbs) {
+                            Generator& generator, LimbPoints& points, Limbs& limbs) {
     const int rounds = before[0].valid ? 1 : 2;
     for (int round = 0; round < rounds; ++round) {
         for (const Side side : {Side::left, Side::right}) {
@@ -122,10 +122,12 @@ void BodyDetector::fitLimbs(const View& view, const LimbModel& model,
                            .previous = start.valid ? &start : nullptr,
                            .points = points.points,
                            .explained = points.explained,
-                           .evaluations = evaluations};
+                           .evaluations = evaluations,
+                           .generator = generator};
             if (!job.isValid()) continue;
             job.run();
             limb = job.pose;
+            generator = job.generator;
         }
     }
 }
@@ -144,8 +146,8 @@ ArticulatedPose BodyDetector::detect(const Cloud& cloud, const Silhouette& silho
     collectPoints(view);
     Limbs arms{};
     Limbs legs{};
-    fitLimbs(view, legModel(torso.stature), torso.hips, legsBefore, kLegEvaluations, legPoints_, legs);
-    fitLimbs(view, armModel(torso.stature), torso.shoulders, armsBefore, kArmEvaluations, armPoints_, arms);
+    fitLimbs(view, legModel(torso.stature), torso.hips, legsBefore, kLegEvaluations, generator_, legPoints_, legs);
+    fitLimbs(view, armModel(torso.stature), torso.shoulders, armsBefore, kArmEvaluations, generator_, armPoints_, arms);
 
     ArticulatedPose pose;
     pose.size = size;

@@ -19,6 +19,7 @@ namespace cheval::fitting::tracking {
 class BodyDetector {
   public:
     BodyDetector();
+    void reset() { generator_ = {}; }
 
     /// The detected pose with the person's `size`. `before` is the pose of the frame before, one of the search's
     /// starts, or null.
@@ -42,9 +43,10 @@ class BodyDetector {
     void collectPoints(const View& view);
     /// Twice each side, so that either knows what the other explains.
     static void fitLimbs(const View& view, const LimbModel& model, const std::array<Eigen::Vector3f, kSideCount>& roots,
-                         const Limbs& before, int evaluations, LimbPoints& points, Limbs& limbs);
+                         const Limbs& before, int evaluations, Generator& generator, LimbPoints& points, Limbs& limbs);
 
     LimbPoints armPoints_, legPoints_;
+    Generator generator_;  ///< Goes on from frame to frame: what one search misses the next may find.
 };
 
 }  // namespace cheval::fitting::tracking

@@ -36,6 +36,7 @@ BodyTracker::BodyTracker() {
 
 void BodyTracker::reset() {
     torso_ = TorsoPose{};
+    detector_.reset();
     for (PointFilter& filter : filters_) {
         filter.reset();
     }
@@ -153,7 +154,7 @@ void BodyTracker::fitBody(const Cloud& cloud, bool floorKnown) {
                    .floorKnown = floorKnown,
                    .previous = known_ ? &before : nullptr,
                    .usual = usual,
-                   .spread = dimensionSpread(torso_.stature),
+                   .spread = dimensionSpread(torso_.stature, floorKnown),
                    .learnt = sizeFrames_ > 0 ? &size_ : nullptr};
     ArticulatedPose best;
     float cost = 1e9F;
