@@ -17,7 +17,7 @@ constexpr float kKneeRadius = 0.098F;
 constexpr float kAnkleRadius = 0.058F;
 constexpr float kFootRadius = 0.070F;
 /// Beyond the palm's centre the hand goes on; the foot reaches forwards from the ankle. Shares of the trunk's length.
-constexpr float kHandBeyond = 0.14F;
+constexpr float kHandBeyond = 0.09F;
 constexpr float kFootLength = 0.28F;
 constexpr float kFootDrop = 0.09F;
 /// The trunk's slab ends so far below the neck's base that its rounding is the shoulders' line.
