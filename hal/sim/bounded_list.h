@@ -7,14 +7,16 @@
 
 namespace cheval::hal::sim {
 
-/// A list of at most N, without memory of its own taking. What does not fit is a fault of who wrote the script.
+/// A list of at most N that takes no memory. Adding more is a fault of the caller's, in a release it replaces the last.
 template <typename T, std::size_t N>
 class BoundedList {
   public:
-    void add(const T& item) {
+    T& add(const T& item) {
         assert(count_ < N);
-        if (count_ < N) items_[count_++] = item;
+        if (count_ < N) ++count_;
+        return items_[count_ - 1] = item;
     }
+    void clear() { count_ = 0; }
     [[nodiscard]] std::size_t room() const { return N - count_; }
     [[nodiscard]] std::size_t size() const { return count_; }
     [[nodiscard]] bool empty() const { return count_ == 0; }

@@ -14,6 +14,7 @@ namespace {
 
 using Eigen::Vector2f;
 using fitting::Side;
+using fitting::SwipeDirection;
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
@@ -37,6 +38,9 @@ constexpr std::array<PoseMove, 6> kLeftMoves = {{{3.2, 3.95, ArmPose::aPose},
 constexpr double kGrabFrom = 11.1;  ///< The raised right hand begins to close …
 constexpr double kGrabTo = 12.0;    ///< … and to open again.
 constexpr double kGrabEase = 0.22;
+/// Shares of the hand's ease at which it counts as closed and no longer.
+constexpr double kClosed = 0.673;
+constexpr double kOpening = 1.0 - kClosed;
 
 constexpr double kArrived = 3.3;
 constexpr double kLeaving = 18.05;
@@ -51,6 +55,22 @@ ArmAttitude armAfter(const std::array<PoseMove, N>& table, double time) {
 }
 
 }  // namespace
+
+const std::array<MeantGesture, 13> kMeantInVisit = {{
+    {MeantKind::transition, Side::left, {}, 3.2, 3.95},
+    {MeantKind::transition, Side::right, {}, 3.2, 3.95},
+    {MeantKind::transition, Side::left, {}, 5.95, 6.6},
+    {MeantKind::transition, Side::right, {}, 5.95, 6.6},
+    {MeantKind::grab, Side::right, {}, kGrabFrom + kClosed* kGrabEase, kGrabTo + kOpening* kGrabEase},
+    {MeantKind::transition, Side::right, {}, 12.5, 12.9},
+    {MeantKind::swipe, Side::right, SwipeDirection::left, 13.0, 13.45},
+    {MeantKind::swipe, Side::right, SwipeDirection::right, 13.7, 14.15},
+    {MeantKind::transition, Side::right, {}, 14.35, 15.1},
+    {MeantKind::transition, Side::left, {}, 14.6, 15.35},
+    {MeantKind::swipe, Side::left, SwipeDirection::right, 15.5, 15.95},
+    {MeantKind::swipe, Side::left, SwipeDirection::left, 16.2, 16.65},
+    {MeantKind::transition, Side::left, {}, 16.75, 17.5},
+}};
 
 Posture postureAt(const Shopper& shopper, const Rig& rig, double time) {
     const Gait gait = gaitOf(rig);

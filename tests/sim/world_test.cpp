@@ -211,7 +211,9 @@ TEST(World, DrawsTheVisitAsItAlwaysHas) {
     std::vector<std::uint64_t> hashes;
     for (const std::uint64_t frame : {40U, 150U, 345U, 402U, 550U, 700U, 1130U})
         hashes.push_back(hashOf(render(world, frame)));
-    EXPECT_EQ(hashes, (std::vector<std::uint64_t>{0xb0749827ee8cc58fU, 0xc663e4665ded0866U, 0x59be2074512dca14U, 0x623308d286000840U, 0x8be8ddd56376f17fU, 0xd912b7e268ab8625U, 0xee77c959b932d380U}));
+    EXPECT_EQ(hashes, (std::vector<std::uint64_t>{0xb0749827ee8cc58fU, 0xc663e4665ded0866U, 0x59be2074512dca14U,
+                                                  0x623308d286000840U, 0x8be8ddd56376f17fU, 0xd912b7e268ab8625U,
+                                                  0xee77c959b932d380U}));
 }
 
 TEST(World, LeavesColourOutWhenItHasNone) {
