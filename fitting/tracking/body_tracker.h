@@ -6,7 +6,10 @@
 #include <vector>
 
 #include "fitting/skeleton.h"
-#include "fitting/tracking/limb_fit.h"
+#include "fitting/tracking/articulated_body.h"
+#include "fitting/tracking/body_detector.h"
+#include "fitting/tracking/body_fit.h"
+#include "fitting/tracking/hem.h"
 #include "fitting/tracking/silhouette.h"
 #include "fitting/tracking/smoothing.h"
 #include "fitting/tracking/torso_fit.h"
@@ -14,8 +17,8 @@
 
 namespace cheval::fitting::tracking {
 
-/// Follows one person: trunk first, then legs, then arms, then filters. Thread-bound; takes no memory after
-/// construction.
+/// Follows one person: the body of the frame before and the body detected in this frame are both fitted to it, and the
+/// better fit counts. Thread-bound; takes no memory after construction.
 class BodyTracker {
   public:
     BodyTracker();
@@ -25,39 +28,38 @@ class BodyTracker {
     void update(const Cloud& cloud, std::span<const std::uint8_t> labels, const User& user, bool floorKnown,
                 hal::TimePoint time, Skeleton& skeleton);
 
-    [[nodiscard]] const TorsoPose& torso() const { return torso_; }
+    /// The body of the last frame in which it was found.
+    [[nodiscard]] const ArticulatedPose& body() const { return body_; }
     [[nodiscard]] const Silhouette& silhouette() const { return silhouette_; }
     /// The stature that proportions are taken of, metres.
     [[nodiscard]] float stature() const { return stature_; }
 
   private:
-    static constexpr std::size_t kMostPoints = 180;
-    static constexpr float kUsualHalfDepth = 0.066F;
-    /// A limb's depth points, and how far each is from what other parts of the body explain.
-    struct LimbPoints {
-        std::vector<Eigen::Vector3f> points;
-        std::vector<float> explained;
-    };
+    static constexpr std::size_t kMostPoints = 420;
 
     void learnStature(bool floorKnown);
     void learnHalfDepth();
+    void learnSize();
     void collectPoints(const Cloud& cloud);
-    void fitLegs(const Cloud& cloud);
-    void fitArms(const Cloud& cloud);
-    void fitLimb(const Cloud& cloud, Side side, const LimbModel& model, const Eigen::Vector3f& root, LimbPose& pose,
-                 LimbPoints& points, int evaluations);
+    void fitBody(const Cloud& cloud, bool floorKnown);
+    void tryFrom(const ArticulatedPose& start, BodyFitJob& job, ArticulatedPose& best, float& cost) const;
     [[nodiscard]] float confidenceOf(const Cloud& cloud, const Eigen::Vector3f& position, float depthAllowed) const;
     void fillSkeleton(const Cloud& cloud, hal::TimePoint time, Skeleton& skeleton);
 
     Silhouette silhouette_;
     TorsoPose torso_;
-    std::array<LimbPose, kSideCount> arms_{}, legs_{}, previousArms_{}, previousLegs_{};
-    LimbPoints armPoints_, legPoints_;
+    BodyDetector detector_;
+    std::vector<Eigen::Vector3f> points_;
+    ArticulatedPose body_;
+    bool known_ = false;  ///< body_ is of the frame before.
+    Dimensions size_{};   ///< The person's own, as learnt so far.
+    int sizeFrames_ = 0;
+    HemFinder hem_;
     std::array<PointFilter, kJointCount> filters_{};
     std::uint32_t userId_ = 0;
     float stature_ = 0.0F;
     int statureFrames_ = 0;
-    float halfDepth_ = kUsualHalfDepth;  ///< Of the trunk, in shares of the stature.
+    float halfDepth_ = 0.0F;  ///< Of the trunk, in shares of the stature.
     hal::TimePoint lastTime_{};
 };
 

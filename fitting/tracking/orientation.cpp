@@ -23,9 +23,7 @@ void orientLimb(const Eigen::Quaternionf& trunk, const Eigen::Vector3f& rest, Jo
 
 }  // namespace
 
-void orientJoints(const TorsoPose& torso, Skeleton& skeleton) {
-    Eigen::Matrix3f axes;
-    axes << torso.left, torso.up, torso.forward;
+void orientJoints(const Eigen::Matrix3f& axes, Skeleton& skeleton) {
     const Eigen::Quaternionf trunk = Eigen::Quaternionf(axes).normalized();
     for (const Joint joint : {Joint::head, Joint::neck, Joint::torso}) {
         skeleton[joint].orientation = trunk;

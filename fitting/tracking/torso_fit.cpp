@@ -5,6 +5,8 @@
 
 #include <Eigen/Dense>
 
+#include "fitting/tracking/articulated_body.h"
+
 namespace cheval::fitting::tracking {
 namespace {
 
@@ -119,7 +121,8 @@ bool TorsoFitJob::findHead(float centre) {
     }
     if (count == 0) return false;
     const Eigen::Vector3f mean = sum / static_cast<float>(count);
-    pose.head = {mean.x(), pose.crown - proportion::kHead * pose.stature, mean.z() + kHeadHalfDepth * pose.stature};
+    pose.head = {mean.x(), pose.crown - kHeadCentre * usualDimensions(pose.stature)[index(Dimension::headDrop)],
+                 mean.z() + kHeadHalfDepth * pose.stature};
     pose.headSeen = true;
     return true;
 }
