@@ -206,8 +206,8 @@ void SurfaceCleanupJob::smoothColumns(const Box& box) {
         std::uint16_t* out = cleaned.row(row);
         for (int column = box.left; column <= box.right; ++column) {
             const float value = bilateral(middle[column], [&](int k) {
-                const auto tap = static_cast<std::size_t>(k + kReach);
-                return share[tap] * lines[tap][column];
+                const int tap = k + kReach;
+                return share[static_cast<std::size_t>(tap)] * lines[static_cast<std::size_t>(tap)][column];
             });
             out[column] = static_cast<std::uint16_t>(value + 0.5F);  // NOLINT(bugprone-incorrect-roundings)
         }

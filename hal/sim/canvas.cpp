@@ -26,6 +26,13 @@ PixelBox PixelBox::grown(int by, int width, int height) const {
     return {std::max(0, left - by), std::max(0, top - by), std::min(width, right + by), std::min(height, bottom + by)};
 }
 
+PixelBox PixelBox::joined(const PixelBox& other) const {
+    if (empty()) return other;
+    if (other.empty()) return *this;
+    return {std::min(left, other.left), std::min(top, other.top), std::max(right, other.right),
+            std::max(bottom, other.bottom)};
+}
+
 Canvas::Canvas(int width, int height)
     : width_(width), height_(height), nearness_(offset(sampleHeight()), 0.0F), paint_(offset(sampleHeight()), 0) {}
 
@@ -62,14 +69,14 @@ Canvas::Pixel Canvas::pixel(int x, int y) const {
     return result;
 }
 
-void Canvas::draw(std::span<const CanvasVertex> vertices, const Mesh& mesh) {
+void Canvas::draw(std::span<const CanvasVertex> vertices, const Mesh& mesh, std::uint32_t owner) {
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const auto& [a, b, c] = mesh.triangles[i];
-        drawTriangle(vertices[a], vertices[b], vertices[c], mesh.materials[i]);
+        drawTriangle(vertices[a], vertices[b], vertices[c], paint(0, 0, 0, mesh.materials[i], owner));
     }
 }
 
-void Canvas::drawTriangle(const CanvasVertex& a, const CanvasVertex& b, const CanvasVertex& c, Material material) {
+void Canvas::drawTriangle(const CanvasVertex& a, const CanvasVertex& b, const CanvasVertex& c, Paint colourless) {
     // The picture's y runs down and the mirror frame is seen from its −Z side: what faces the viewer runs clockwise
     // in it.
     const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
@@ -145,7 +152,7 @@ void Canvas::drawTriangle(const CanvasVertex& a, const CanvasVertex& b, const Ca
             if (near > nearness_[at]) {
                 nearness_[at] = near;
                 const auto byte = [](std::int32_t value) { return static_cast<std::uint32_t>(value) >> 16U & 0xffU; };
-                paint_[at] = paint(byte(r), byte(g), byte(bl), material);
+                paint_[at] = byte(r) | byte(g) << 8U | byte(bl) << 16U | colourless;
             }
             near += nearStep;
             r += stepR;

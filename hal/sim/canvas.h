@@ -19,6 +19,8 @@ struct PixelBox {
     int left = 0, top = 0, right = 0, bottom = 0;
     [[nodiscard]] bool empty() const { return left >= right || top >= bottom; }
     [[nodiscard]] PixelBox grown(int by, int width, int height) const;
+    /// The least box around both.
+    [[nodiscard]] PixelBox joined(const PixelBox& other) const;
 };
 
 /// A vertex on its way to the canvas: sample coordinates, 1/z in 1/m, and sRGB 0…255.
@@ -27,10 +29,17 @@ struct CanvasVertex {
     float r, g, b;
 };
 
-/// What one sample shows: red, green, blue and the material in four bytes, lowest first.
+/// What one sample shows: red, green, blue in three bytes, lowest first, then four bits of material and four of owner.
 using Paint = std::uint32_t;
-constexpr Paint paint(std::uint32_t r, std::uint32_t g, std::uint32_t b, Material material) {
-    return r | g << 8U | b << 16U | static_cast<std::uint32_t>(material) << 24U;
+constexpr Paint paint(std::uint32_t r, std::uint32_t g, std::uint32_t b, Material material, std::uint32_t owner = 0) {
+    return r | g << 8U | b << 16U | static_cast<std::uint32_t>(material) << 24U | owner << 28U;
+}
+constexpr Material materialOf(Paint what) {
+    return static_cast<Material>(what >> 24U & 0xfU);
+}
+/// 0: the room; else 1 + the number of a figure.
+constexpr std::uint8_t ownerOf(Paint what) {
+    return static_cast<std::uint8_t>(what >> 28U);
 }
 
 /// Thread-bound. Takes memory when made, never when drawn on.
@@ -40,8 +49,8 @@ class Canvas {
 
     /// Empties the samples of these pixels.
     void clear(const PixelBox& box);
-    /// Draws what faces the viewer and is nearer than what is there.
-    void draw(std::span<const CanvasVertex> vertices, const Mesh& mesh);
+    /// Draws what faces the viewer and is nearer than what is there. `owner` is under 16.
+    void draw(std::span<const CanvasVertex> vertices, const Mesh& mesh, std::uint32_t owner = 0);
     void put(int sampleX, int sampleY, float nearness, Paint what);
 
     /// The surface that a pixel shows: the nearest samples that belong together.
@@ -63,7 +72,7 @@ class Canvas {
     [[nodiscard]] std::size_t offset(int sampleY) const {
         return static_cast<std::size_t>(sampleY) * static_cast<std::size_t>(sampleWidth());
     }
-    void drawTriangle(const CanvasVertex& a, const CanvasVertex& b, const CanvasVertex& c, Material material);
+    void drawTriangle(const CanvasVertex& a, const CanvasVertex& b, const CanvasVertex& c, Paint colourless);
 
     int width_, height_;
     std::vector<float> nearness_;  ///< 0 where nothing is.

@@ -437,6 +437,7 @@ void buildFigure(const Shopper& shopper, const Rig& rig, Mesh& mesh) {
         addLeg(shopper, rig, side, mesh);
         addShoe(shopper, rig, side, mesh);
     }
+    if (shopper.wheelchair) addWheelchair(shopper, rig, mesh);
     mesh.finish();
     for (const Side side : kSides)
         softenShoulder(shopper, rig, side, mesh);

@@ -212,7 +212,7 @@ void addHead(const Shopper& shopper, const Rig& rig, Mesh& mesh) {
                           .wide = 0.96F + 0.06F * shopper.masculine + 0.05F * shopper.build};
     addSkull(shopper, frame, mesh);
     addFace(shopper, frame, mesh);
-    addHair(shopper, frame, mesh);
+    if (shopper.hairStyle != HairStyle::none) addHair(shopper, frame, mesh);
 }
 
 }  // namespace cheval::hal::sim

@@ -2,11 +2,10 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 
-#include "fitting/hands.h"
 #include "hal/sim/rig.h"
 #include "hal/sim/shopper.h"
+#include "hal/sim/world.h"
 
 namespace cheval::hal::sim {
 
@@ -21,6 +20,9 @@ inline constexpr double kPressSeconds = 0.15;
 /// Span during which the shopper stands in the A-pose.
 inline constexpr double kAPoseFrom = 3.95;
 inline constexpr double kAPoseTo = 5.95;
+
+/// What the shopper means by it: the gestures of a visit and the ways between.
+extern const std::array<MeantGesture, 13> kMeantInVisit;
 
 /// The posture at `time`, 0 … kScriptSeconds after the visit began.
 Posture postureAt(const Shopper& shopper, const Rig& rig, double time);

@@ -255,7 +255,7 @@ Room makeRoom(const View& view, std::uint32_t seed) {
             const auto channel = [&](std::size_t c) { return static_cast<std::uint8_t>(sum[c] / 4); };
             room.colour.view().at(x, y) = {channel(0), channel(1), channel(2)};
             room.depth.view().at(x, y) = pixel.samples > 0 ? 1000.0F / pixel.nearness : 0.0F;
-            room.material.view().at(x, y) = static_cast<Material>(pixel.nearest >> 24U);
+            room.material.view().at(x, y) = materialOf(pixel.nearest);
         }
     }
     return room;

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "hal/sim/figure.h"
 #include "hal/sim/hash.h"
-#include "hal/sim/motion.h"
 #include "hal/sim/rounding.h"
 
 namespace cheval::hal::sim {
@@ -22,61 +22,82 @@ constexpr int kSensorReach = 40;
 
 }  // namespace
 
-Moment momentAt(const WorldOptions& options, double worldSeconds) {
-    const double cycle = options.visitSeconds + options.pauseSeconds;
-    const double visits = std::floor(std::max(0.0, worldSeconds) / cycle);
-    const double within = std::max(0.0, worldSeconds) - visits * cycle;
-    return {.visit = static_cast<std::uint32_t>(visits),
-            .scriptTime = within * kScriptSeconds / options.visitSeconds,
-            .visiting = within < options.visitSeconds};
-}
-
 Scene::Scene(const WorldOptions& options, const View& view, const Room& room)
     : options_(options),
       view_(view),
       room_(room),
       canvas_(view.intrinsics().width, view.intrinsics().height),
       sensor_(view.intrinsics(), room, scramble(options.seed, 0x5e75U)),
+      figures_(figuresOf(options.script)),
       depth_(room.depth),
       material_(room.material) {
-    mesh_.reserve(kMaximumFigureVertices, kMaximumFigureTriangles);
-    positions_.reserve(kMaximumFigureVertices);
-    normals_.reserve(kMaximumFigureVertices);
-    vertices_.reserve(kMaximumFigureVertices);
+    for (Figure& figure : figures_) {
+        figure.mesh.reserve(kMaximumFigureVertices, kMaximumFigureTriangles);
+        figure.positions.reserve(kMaximumFigureVertices);
+        figure.normals.reserve(kMaximumFigureVertices);
+        figure.vertices.reserve(kMaximumFigureVertices);
+    }
+    owner_.resize(view.intrinsics().width, view.intrinsics().height);
 }
 
-void Scene::pose(const Moment& moment) {
-    if (!hasShopper_ || visit_ != moment.visit) {
-        shopper_ = makeShopper(options_.seed, moment.visit);
-        rig_ = makeRig(shopper_);
-        buildFigure(shopper_, rig_, mesh_);
-        positions_.resize(mesh_.positions.size());
-        normals_.resize(mesh_.positions.size());
-        vertices_.resize(mesh_.positions.size());
-        hasShopper_ = true;
-        visit_ = moment.visit;
+ExactView Scene::exact() const {
+    return {.depth = depth_.view(), .owner = owner_.view()};
+}
+
+void Scene::prepare(std::uint32_t visit) {
+    if (prepared_ && visit_ == visit) return;
+    castVisit(options_, visit, cast_);
+    for (std::size_t i = 0; i < cast_.performers.size(); ++i) {
+        const Performer& performer = cast_.performers.view()[i];
+        Figure& figure = figures_[i];
+        figure.rig = rigOf(performer);
+        if (performer.kind == FigureKind::dog) {
+            buildDog(performer.dog, figure.rig, figure.mesh);
+        } else {
+            buildFigure(performer.shopper, figure.rig, figure.mesh);
+        }
+        figure.positions.resize(figure.mesh.positions.size());
+        figure.normals.resize(figure.mesh.positions.size());
+        figure.vertices.resize(figure.mesh.positions.size());
     }
-    pose_ = solvePose(rig_, postureAt(shopper_, rig_, moment.scriptTime));
-    for (std::size_t i = 0; i < positions_.size(); ++i) {
-        const Hold& hold = mesh_.holds[i];
-        const Vector3f& p = mesh_.positions[i];
-        const Vector3f& n = mesh_.normals[i];
+    prepared_ = true;
+    visit_ = visit;
+}
+
+void Scene::pose(Figure& figure) {
+    for (std::size_t i = 0; i < figure.positions.size(); ++i) {
+        const Hold& hold = figure.mesh.holds[i];
+        const Vector3f& p = figure.mesh.positions[i];
+        const Vector3f& n = figure.mesh.normals[i];
         if (hold.share <= 0.0F || hold.first == hold.second) {
-            positions_[i] = pose_.apply(rig_, hold.first, p);
-            normals_[i] = pose_.rotation[hold.first] * n;
+            figure.positions[i] = figure.pose.apply(figure.rig, hold.first, p);
+            figure.normals[i] = figure.pose.rotation[hold.first] * n;
         } else {
             const float share = hold.share;
-            positions_[i] =
-                (1.0F - share) * pose_.apply(rig_, hold.first, p) + share * pose_.apply(rig_, hold.second, p);
-            normals_[i] =
-                ((1.0F - share) * (pose_.rotation[hold.first] * n) + share * (pose_.rotation[hold.second] * n))
-                    .normalized();
+            figure.positions[i] = (1.0F - share) * figure.pose.apply(figure.rig, hold.first, p) +
+                                  share * figure.pose.apply(figure.rig, hold.second, p);
+            figure.normals[i] = ((1.0F - share) * (figure.pose.rotation[hold.first] * n) +
+                                 share * (figure.pose.rotation[hold.second] * n))
+                                    .normalized();
         }
     }
 }
 
+PixelBox Scene::draw(const Moment& moment, std::size_t which) {
+    const Performer& performer = cast_.performers.view()[which];
+    if (!inRoom(cast_, performer, moment)) return {};
+    Figure& figure = figures_[which];
+    figure.pose = poseOf(cast_, performer, figure.rig, moment);
+    pose(figure);
+    const PixelBox box = light(view_, figure.mesh, figure.positions, figure.normals, figure.vertices);
+    if (!box.empty()) canvas_.draw(figure.vertices, figure.mesh, static_cast<std::uint32_t>(which) + 1);
+    return box;
+}
+
 /// What feet and body take from the floor's light: a tight dark spot under each sole, a wide soft one under the body.
-void Scene::castShadows(ImageView<Rgb8> colour) const {
+void Scene::castShadows(const Performer& performer, const Figure& figure, ImageView<Rgb8> colour) const {
+    // A dog's are too faint to tell.
+    if (performer.kind == FigureKind::dog) return;
     struct Spot {
         float x, z, tight, strength;
     };
@@ -84,17 +105,17 @@ void Scene::castShadows(ImageView<Rgb8> colour) const {
     std::size_t count = 0;
     for (const Side side : {Side::left, Side::right}) {
         const std::size_t foot = bone(side, SideBone::foot);
-        const Vector3f ankle = pose_.position[foot];
-        const float size = 0.055F * shopper_.stature;
+        const Vector3f ankle = figure.pose.position[foot];
+        const float size = 0.055F * performer.shopper.stature;
         for (const float ahead : {-0.010F, 0.065F}) {
-            const Vector3f point =
-                pose_.apply(rig_, foot, rig_.rest[foot] + shopper_.stature * Vector3f(0.0F, -0.045F, ahead));
+            const Vector3f point = figure.pose.apply(
+                figure.rig, foot, figure.rig.rest[foot] + performer.shopper.stature * Vector3f(0.0F, -0.045F, ahead));
             const float height = std::max(0.0F, point.y() - 0.01F);
             spots[count++] = {point.x(), point.z(), 1.0F / (size * size * (1.0F + 30.0F * height)),
                               0.46F / (1.0F + 12.0F * height)};
         }
         // Light comes from the glass: the body's shade falls away from it.
-        spots[count++] = {0.5F * (ankle.x() + pose_.position[0].x()), ankle.z() + 0.16F, 1.0F / 0.075F, 0.20F};
+        spots[count++] = {0.5F * (ankle.x() + figure.pose.position[0].x()), ankle.z() + 0.16F, 1.0F / 0.075F, 0.20F};
     }
     // The rectangle of pixels that sees the floor near the feet.
     const Intrinsics& lens = view_.intrinsics();
@@ -143,6 +164,7 @@ void Scene::resolve(const PixelBox& box, ImageView<Rgb8> colour) {
     for (int y = box.top; y < box.bottom; ++y) {
         float* depthRow = depth_.view().row(y);
         Material* materialRow = material_.view().row(y);
+        std::uint8_t* ownerRow = owner_.view().row(y);
         for (int x = box.left; x < box.right; ++x) {
             const Canvas::Pixel pixel = canvas_.pixel(x, y);
             if (pixel.samples == 0) continue;
@@ -152,7 +174,8 @@ void Scene::resolve(const PixelBox& box, ImageView<Rgb8> colour) {
             // A pixel belongs to what covers half of it.
             if (2 * pixel.samples >= kSamplesAcross * kSamplesAcross) {
                 depthRow[x] = 1000.0F / pixel.nearness;
-                materialRow[x] = static_cast<Material>(pixel.nearest >> 24U);
+                materialRow[x] = materialOf(pixel.nearest);
+                ownerRow[x] = ownerOf(pixel.nearest);
             }
             if (colour.empty()) continue;
             Rgb8& shown = colour.at(x, y);
@@ -187,19 +210,22 @@ void Scene::render(std::uint64_t frame, double worldSeconds, ImageView<std::uint
         const int count = std::max(0, drawn_.right - drawn_.left);
         std::copy_n(room_.depth.view().row(y) + drawn_.left, count, depth_.view().row(y) + drawn_.left);
         std::copy_n(room_.material.view().row(y) + drawn_.left, count, material_.view().row(y) + drawn_.left);
+        std::fill_n(owner_.view().row(y) + drawn_.left, count, std::uint8_t{0});
     }
     canvas_.clear(drawn_);
     drawn_ = {};
     const Moment moment = momentAt(options_, worldSeconds);
-    if (moment.visiting) {
-        pose(moment);
-        drawn_ = light(view_, mesh_, positions_, normals_, vertices_);
-        if (!drawn_.empty()) {
-            canvas_.draw(vertices_, mesh_);
-            if (!colour.empty()) castShadows(colour);
-            resolve(drawn_, colour);
-        }
+    prepare(moment.visit);
+    const std::span<const Performer> performers = cast_.performers.view();
+    std::array<PixelBox, kMaximumFigures> boxes;
+    for (std::size_t i = 0; i < performers.size(); ++i) {
+        boxes[i] = draw(moment, i);
+        drawn_ = drawn_.joined(boxes[i]);
     }
+    for (std::size_t i = 0; i < performers.size(); ++i) {
+        if (!colour.empty() && !boxes[i].empty()) castShadows(performers[i], figures_[i], colour);
+    }
+    if (!drawn_.empty()) resolve(drawn_, colour);
     if (options_.sensorNoise) {
         sensor_.sense(depth_, material_, drawn_.grown(kSensorReach, lens.width, lens.height), frame, depth);
         return;

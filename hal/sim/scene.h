@@ -6,24 +6,15 @@
 
 #include "hal/image.h"
 #include "hal/sim/canvas.h"
-#include "hal/sim/rig.h"
 #include "hal/sim/room.h"
+#include "hal/sim/script.h"
 #include "hal/sim/sensor_model.h"
-#include "hal/sim/shopper.h"
 #include "hal/sim/view.h"
 #include "hal/sim/world.h"
 
 namespace cheval::hal::sim {
 
-/// Where a moment falls in the endless row of visits.
-struct Moment {
-    std::uint32_t visit = 0;
-    double scriptTime = 0.0;  ///< Seconds of the script.
-    bool visiting = false;    ///< False in the pause after it.
-};
-Moment momentAt(const WorldOptions& options, double worldSeconds);
-
-/// Draws frames. Thread-bound; keeps the present shopper's mesh, but no frame depends on those before it. Takes no
+/// Draws frames. Thread-bound; keeps the meshes of the present visit, but no frame depends on those before it. Takes no
 /// memory once made.
 class Scene {
   public:
@@ -31,11 +22,23 @@ class Scene {
 
     /// Fills both pictures, which have the view's size; an empty `colour` is left alone.
     void render(std::uint64_t frame, double worldSeconds, ImageView<std::uint16_t> depth, ImageView<Rgb8> colour);
+    /// What the frame drawn last shows, before the sensor.
+    [[nodiscard]] ExactView exact() const;
 
   private:
-    void pose(const Moment& moment);
+    /// One performer as drawn.
+    struct Figure {
+        Rig rig;
+        Mesh mesh;
+        Pose pose;
+        std::vector<Eigen::Vector3f> positions, normals;
+        std::vector<CanvasVertex> vertices;
+    };
+    void prepare(std::uint32_t visit);
+    static void pose(Figure& figure);
+    PixelBox draw(const Moment& moment, std::size_t which);
     void resolve(const PixelBox& box, ImageView<Rgb8> colour);
-    void castShadows(ImageView<Rgb8> colour) const;
+    void castShadows(const Performer& performer, const Figure& figure, ImageView<Rgb8> colour) const;
 
     const WorldOptions& options_;
     const View& view_;
@@ -43,18 +46,15 @@ class Scene {
     Canvas canvas_;
     SensorModel sensor_;
 
-    bool hasShopper_ = false;
-    std::uint32_t visit_ = 0;  ///< Whose mesh it is.
-    Shopper shopper_;
-    Rig rig_;
-    Mesh mesh_;
-    Pose pose_;
-    std::vector<Eigen::Vector3f> positions_, normals_;
-    std::vector<CanvasVertex> vertices_;
+    bool prepared_ = false;
+    std::uint32_t visit_ = 0;  ///< Whose cast and meshes these are.
+    Cast cast_;
+    std::vector<Figure> figures_;  ///< One a performer of the cast, and perhaps more.
 
-    PixelBox drawn_;  ///< Where `depth_` and `material_` differ from the room.
+    PixelBox drawn_;  ///< Where the three pictures differ from the room.
     Image<float> depth_;
     Image<Material> material_;
+    Image<std::uint8_t> owner_;
 };
 
 }  // namespace cheval::hal::sim

@@ -89,4 +89,15 @@ Shopper makeShopper(std::uint32_t seed, std::uint32_t visit) {
     return shopper;
 }
 
+Shopper makeMannequin(std::uint32_t key) {
+    Draw draw(key);
+    // Slim grown-ups: the second and the fifth of the six kinds.
+    // Slim grown-ups: the second and the fifth of the six kinds.
+    Shopper mannequin = makeShopper(0, 6 * draw.choice(1000) + (draw.choice(2) == 0 ? 4 : 1));
+    mannequin.hairStyle = HairStyle::none;
+    mannequin.skin = {0.86F, 0.84F, 0.80F};
+    mannequin.hair = mannequin.skin;
+    return mannequin;
+}
+
 }  // namespace cheval::hal::sim

@@ -26,6 +26,7 @@ class SimulatedButtons final : public Buttons {
     Expected<std::size_t> doPoll(std::span<ButtonEvent> events) override {
         const TimePoint now = clock_.now();
         zero_ = world_->startAt(now);
+        if (world_->options().script != Script::visit) return std::size_t{0};
         const std::uint64_t happened = eventsUntil(now);
         if (happened - delivered_ > kWaitingEvents) {
             const std::uint64_t lost = happened - delivered_ - kWaitingEvents;

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "hal/sim/motion.h"
+#include "hal/sim/script.h"
 #include "hal/sim/world_parts.h"
 
 namespace cheval::hal::sim {
@@ -56,6 +57,22 @@ bool whollyInView(const View& view, const Rig& rig, const Pose& pose) {
     return all;
 }
 
+FigureTruth truthOf(const View& view, const Cast& cast, const Performer& performer, const Moment& moment) {
+    FigureTruth figure;
+    figure.kind = performer.kind;
+    figure.inRoom = inRoom(cast, performer, moment);
+    figure.statureMetres = performer.kind == FigureKind::dog ? performer.dog.shoulderHeight : performer.shopper.stature;
+    if (!figure.inRoom || performer.kind == FigureKind::dog) return figure;
+    const Rig rig = makeRig(performer.shopper);
+    const Pose pose = poseOf(cast, performer, rig, moment);
+    figure.whollyInView = whollyInView(view, rig, pose);
+    figure.skeleton = skeletonOf(rig, pose);
+    figure.skeleton.userId = 1;
+    for (const Side side : {Side::left, Side::right})
+        figure.hands[fitting::index(side)] = handState(view, rig, pose, side);
+    return figure;
+}
+
 }  // namespace
 
 World::Parts::Parts(const WorldOptions& theOptions)
@@ -98,21 +115,48 @@ std::shared_ptr<World> makeWorld(const WorldOptions& options) {
 WorldTruth truthAt(const World& world, double worldSeconds) {
     const World::Parts& parts = world.parts();
     const Moment moment = momentAt(parts.options, worldSeconds);
+    Cast cast;
+    castVisit(parts.options, moment.visit, cast);
     WorldTruth truth;
     truth.visit = moment.visit;
-    if (!moment.visiting) return truth;
-    const Shopper shopper = makeShopper(parts.options.seed, moment.visit);
-    const Rig rig = makeRig(shopper);
-    const Pose pose = solvePose(rig, postureAt(shopper, rig, moment.scriptTime));
-    truth.present = whollyInView(parts.view, rig, pose);
-    truth.skeleton = skeletonOf(rig, pose);
-    truth.skeleton.userId = moment.visit + 1;
-    truth.skeleton.captureTime = TimePoint(fromSeconds(worldSeconds));
-    truth.statureMetres = shopper.stature;
-    for (const Side side : {Side::left, Side::right}) {
-        truth.hands[fitting::index(side)] = handState(parts.view, rig, pose, side);
+    for (const Performer& performer : cast.performers.view()) {
+        FigureTruth& figure = truth.figures[truth.figureCount++];
+        figure = truthOf(parts.view, cast, performer, moment);
+        if (!figure.skeleton.present()) continue;
+        figure.skeleton.userId = moment.visit + static_cast<std::uint32_t>(truth.figureCount);
+        figure.skeleton.captureTime = TimePoint(fromSeconds(worldSeconds));
     }
+    const FigureTruth& first = truth.figures[0];
+    if (first.kind != FigureKind::shopper || !first.inRoom) return truth;
+    truth.present = first.whollyInView;
+    truth.skeleton = first.skeleton;
+    truth.hands = first.hands;
+    truth.statureMetres = first.statureMetres;
     return truth;
+}
+
+std::size_t gesturesOf(const World& world, double fromSeconds, double toSeconds, std::span<MeantGesture> gestures) {
+    const WorldOptions& options = world.parts().options;
+    Cast cast;
+    std::size_t count = 0;
+    const std::uint32_t last = momentAt(options, toSeconds).visit;
+    for (std::uint32_t visit = momentAt(options, fromSeconds).visit; visit <= last; ++visit) {
+        const double began = visit * (options.visitSeconds + options.pauseSeconds);
+        castVisit(options, visit, cast);
+        for (MeantGesture gesture : cast.meant.view()) {
+            gesture.start += began;
+            gesture.end += began;
+            if (gesture.end < fromSeconds || gesture.start > toSeconds) continue;
+            if (count == gestures.size()) return count;
+            gestures[count++] = gesture;
+        }
+    }
+    return count;
+}
+
+ExactView exactView(const World& world) {
+    const World::Parts& parts = world.parts();
+    return parts.scene ? std::as_const(*parts.scene).exact() : ExactView{};
 }
 
 void renderFrame(World& world, std::uint64_t frame, Image<std::uint16_t>& depth, Image<Rgb8>& colour) {

@@ -189,6 +189,33 @@ TEST(World, SeesTheShopperInColourWhereItSeesThemInDepth) {
     EXPECT_GT(static_cast<double>(coloured), 0.97 * static_cast<double>(shopper));
 }
 
+/// FNV-1a over the bytes of both pictures.
+std::uint64_t hashOf(const Picture& picture) {
+    std::uint64_t hash = 0xcbf29ce484222325U;
+    const auto add = [&](std::uint32_t byte) { hash = (hash ^ byte) * 0x100000001b3U; };
+    for (const std::uint16_t reading : picture.depth.pixels) {
+        add(reading & 0xffU);
+        add(reading >> 8U);
+    }
+    for (const Rgb8& pixel : picture.colour.pixels) {
+        add(pixel.r);
+        add(pixel.g);
+        add(pixel.b);
+    }
+    return hash;
+}
+
+TEST(World, DrawsTheVisitAsItAlwaysHas) {
+    // Recordings, golden pictures and figures of accuracy were made of this script: its bytes are not to change.
+    World world(WorldOptions{.seed = 3});
+    std::vector<std::uint64_t> hashes;
+    for (const std::uint64_t frame : {40U, 150U, 345U, 402U, 550U, 700U, 1130U})
+        hashes.push_back(hashOf(render(world, frame)));
+    EXPECT_EQ(hashes, (std::vector<std::uint64_t>{0xb0749827ee8cc58fU, 0xc663e4665ded0866U, 0x59be2074512dca14U,
+                                                  0x623308d286000840U, 0x8be8ddd56376f17fU, 0xd912b7e268ab8625U,
+                                                  0xee77c959b932d380U}));
+}
+
 TEST(World, LeavesColourOutWhenItHasNone) {
     World world(WorldOptions{.colour = false});
     World coloured(WorldOptions{});
