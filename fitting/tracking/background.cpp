@@ -5,10 +5,11 @@
 
 namespace cheval::fitting::tracking {
 
-Background::Background() : depth_(kCloudCells), waiting_(kCloudCells) {}
+Background::Background() : depth_(kCloudCells), blocks_(kBlocks), waiting_(kCloudCells) {}
 
 void Background::reset() {
     std::fill(depth_.begin(), depth_.end(), 0.0F);
+    std::fill(blocks_.begin(), blocks_.end(), 0.0F);
     std::fill(waiting_.begin(), waiting_.end(), 0.0F);
 }
 
@@ -25,7 +26,7 @@ void Background::learn(const Cloud& cloud, std::span<const std::uint8_t> users, 
         if (known > 0.0F && std::abs(depth - known) < depthTolerance(depth)) {
             known += kFollow * (depth - known);
             waiting_[i] = 0.0F;
-        } else if (scenery[i] != 0 || (known > 0.0F && depth > known)) {
+        } else if (scenery[i] != 0 || known <= 0.0F || depth > known) {
             known = depth;
             waiting_[i] = 0.0F;
         } else {
@@ -35,6 +36,11 @@ void Background::learn(const Cloud& cloud, std::span<const std::uint8_t> users, 
                 waiting_[i] = 0.0F;
             }
         }
+    }
+    std::fill(blocks_.begin(), blocks_.end(), 0.0F);
+    for (std::size_t i = 0; i < kCloudCells; ++i) {
+        float& nearest = blocks_[blockOf(i)];
+        if (depth_[i] > 0.0F && (nearest <= 0.0F || depth_[i] < nearest)) nearest = depth_[i];
     }
 }
 

@@ -9,16 +9,19 @@
 
 namespace cheval::fitting::tracking {
 
-/// The farthest surface seen in each cell, and what replaced it for long. Farther readings are believed at once (what
-/// was nearer has left), nearer ones after kSettleSeconds without a person. Thread-bound.
+/// The farthest surface seen in each cell, and what replaced it for long. What is seen first is believed at once, unless
+/// it is a person; so is what is farther (what was nearer has left). What is nearer is believed after kSettleSeconds
+/// without a person. Cells that have shown nothing yet are taken to be like the nearest of their neighbours.
+/// Thread-bound.
 class Background {
   public:
     Background();
     void reset();
 
-    /// Nearer than what stands there. True where nothing is known yet.
+    /// Nearer than what stands there. True where nothing is known yet, nor about it.
     [[nodiscard]] bool isInFront(const Cloud& cloud, std::size_t cell) const {
-        const float known = depth_[cell];
+        float known = depth_[cell];
+        if (known <= 0.0F) known = blocks_[blockOf(cell)];
         const float depth = cloud.depth[cell];
         return known <= 0.0F || depth < known - depthTolerance(depth);
     }
@@ -31,7 +34,15 @@ class Background {
     static constexpr float kSettleSeconds = 8.0F;
 
   private:
+    static constexpr int kBlock = 8;  ///< Cells.
+    static constexpr int kBlockColumns = kCloudWidth / kBlock;
+    static constexpr std::size_t kBlocks = kCloudCells / (kBlock * kBlock);
+    static constexpr std::size_t blockOf(std::size_t cell) {
+        return static_cast<std::size_t>(cellRow(cell) / kBlock * kBlockColumns + cellColumn(cell) / kBlock);
+    }
+
     std::vector<float> depth_;    ///< Metres; 0: not known.
+    std::vector<float> blocks_;   ///< The nearest that is known in each block of cells; 0: nothing.
     std::vector<float> waiting_;  ///< Seconds for which the cell has shown something nearer.
 };
 
