@@ -133,12 +133,11 @@ void BodySurface::setBone(BodyPart part, const Eigen::Vector3f& from, const Eige
     bones_.taper[i] = endRadius - radius;
 }
 
-BodySurface::Place BodySurface::nearest(const Eigen::Vector3f& point) const {
+BodySurface::Distances BodySurface::distances(const Eigen::Vector3f& point) const {
+    Distances result;
     const float px = point.x();
     const float py = point.y();
     const float pz = point.z();
-    alignas(64) std::array<float, kLanes> distance;
-    alignas(64) std::array<float, kLanes> share;
     for (std::size_t i = 0; i < kLanes; ++i) {
         const float x = px - bones_.x[i];
         const float y = py - bones_.y[i];
@@ -148,28 +147,37 @@ BodySurface::Place BodySurface::nearest(const Eigen::Vector3f& point) const {
         const float dx = x - t * bones_.alongX[i];
         const float dy = y - t * bones_.alongY[i];
         const float dz = z - t * bones_.alongZ[i];
-        share[i] = t;
-        distance[i] = std::sqrt(dx * dx + dy * dy + dz * dz) - (bones_.radius[i] + t * bones_.taper[i]);
+        result.share[i] = t;
+        result.metres[i] = std::sqrt(dx * dx + dy * dy + dz * dz) - (bones_.radius[i] + t * bones_.taper[i]);
     }
     const Eigen::Vector3f offset = point - middle_;
-    const float height = std::clamp(offset.dot(up_), -halfTrunk_, (1.0F - 2.0F * kSlabDrop) * halfTrunk_);
-    const float across = std::clamp(offset.dot(left_), -slab_, slab_);
-    const Eigen::Vector3f onSlab = middle_ + height * up_ + across * left_;
-    distance[place(BodyPart::trunk)] = (point - onSlab).norm() - trunkRadius_;
+    result.height = std::clamp(offset.dot(up_), -halfTrunk_, (1.0F - 2.0F * kSlabDrop) * halfTrunk_);
+    result.across = std::clamp(offset.dot(left_), -slab_, slab_);
+    result.onSlab = middle_ + result.height * up_ + result.across * left_;
+    result.metres[place(BodyPart::trunk)] = (point - result.onSlab).norm() - trunkRadius_;
+    return result;
+}
 
+float BodySurface::outside(const Eigen::Vector3f& point) const {
+    const Distances all = distances(point);
+    return *std::min_element(all.metres.begin(), all.metres.begin() + kBodyPartCount);
+}
+
+BodySurface::Place BodySurface::nearest(const Eigen::Vector3f& point) const {
+    const Distances all = distances(point);
     std::size_t best = 0;
     for (std::size_t i = 1; i < kBodyPartCount; ++i) {
-        if (std::abs(distance[i]) < std::abs(distance[best])) best = i;
+        if (std::abs(all.metres[i]) < std::abs(all.metres[best])) best = i;
     }
-    Place nearest{.part = static_cast<BodyPart>(best), .distance = distance[best]};
+    Place nearest{.part = static_cast<BodyPart>(best), .distance = all.metres[best]};
     if (nearest.part == BodyPart::trunk) {
-        nearest.point = onSlab;
-        nearest.along = 0.5F * height / halfTrunk_;
-        nearest.across = across / slab_;
+        nearest.point = all.onSlab;
+        nearest.along = 0.5F * all.height / halfTrunk_;
+        nearest.across = all.across / slab_;
         nearest.radius = trunkRadius_;
         return nearest;
     }
-    const float t = share[best];
+    const float t = all.share[best];
     nearest.along = t;
     nearest.point = {bones_.x[best] + t * bones_.alongX[best], bones_.y[best] + t * bones_.alongY[best],
                      bones_.z[best] + t * bones_.alongZ[best]};

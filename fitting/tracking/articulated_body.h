@@ -119,10 +119,19 @@ class BodySurface {
     };
     /// On the part whose surface is nearest, whether the point lies inside or outside of it.
     [[nodiscard]] Place nearest(const Eigen::Vector3f& point) const;
+    /// Metres from a point to the whole body; negative inside.
+    [[nodiscard]] float outside(const Eigen::Vector3f& point) const;
 
   private:
     static constexpr std::size_t kLanes = 16;
     static_assert(kBodyPartCount <= kLanes);
+    /// What each part says of a point.
+    struct Distances {
+        alignas(64) std::array<float, kLanes> metres, share;
+        float height = 0.0F, across = 0.0F;  ///< On the trunk's slab, metres.
+        Eigen::Vector3f onSlab;
+    };
+    [[nodiscard]] Distances distances(const Eigen::Vector3f& point) const;
     void setBone(BodyPart part, const Eigen::Vector3f& from, const Eigen::Vector3f& to, float radius, float endRadius);
 
     /// One entry a part, so that compilers look at several at once; the trunk's and the empty ones lie far away.

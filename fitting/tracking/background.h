@@ -9,10 +9,10 @@
 
 namespace cheval::fitting::tracking {
 
-/// The farthest surface seen in each cell, and what replaced it for long. What is seen first is believed at once, unless
-/// it is a person; so is what is farther (what was nearer has left). What is nearer is believed after kSettleSeconds
-/// without a person. Cells that have shown nothing yet are taken to be like the nearest of their neighbours.
-/// Thread-bound.
+/// The farthest surface seen in each cell, and what replaced it for long. What is seen first is believed at once,
+/// unless it is a person; so is what is farther (what was nearer has left). What is nearer is believed after
+/// kSettleSeconds without a person. Cells that have shown nothing yet are taken to be like the nearest of their
+/// neighbours. Thread-bound.
 class Background {
   public:
     Background();

@@ -98,8 +98,8 @@ TEST_P(Shoppers, JointsAreWhereTheyTrulyAre) {
             near += error <= 100.0F ? 1 : 0;
         }
     }
-    EXPECT_LT(sum / visible, 52.0);
-    EXPECT_GT(static_cast<double>(near) / visible, 0.90);
+    EXPECT_LT(sum / visible, 44.0);
+    EXPECT_GT(static_cast<double>(near) / visible, 0.93);
     RecordProperty("mean_mm", std::to_string(sum / visible));
 }
 

@@ -65,8 +65,8 @@ TEST_P(Visit, IsFollowedFromWalkInToWalkOut) {
     EXPECT_GT(found, present * 95 / 100);
     EXPECT_EQ(changes, 0);
     ASSERT_GT(joints, 1000);
-    EXPECT_LT(sum / joints, 0.055);
-    EXPECT_GT(near, joints * 92 / 100);
+    EXPECT_LT(sum / joints, 0.040);
+    EXPECT_GT(near, joints * 97 / 100);
     ASSERT_GT(states, 20);
     EXPECT_GT(right, states * 80 / 100);
     EXPECT_EQ(grabs, 1);
