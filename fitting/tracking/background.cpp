@@ -13,12 +13,11 @@ void Background::reset() {
     std::fill(waiting_.begin(), waiting_.end(), 0.0F);
 }
 
-void Background::learn(const Cloud& cloud, std::span<const std::uint8_t> users, std::span<const std::uint8_t> scenery,
-                       float elapsed) {
+void Background::learn(const Cloud& cloud, std::span<const Belief> belief, float elapsed) {
     constexpr float kFollow = 0.05F;
     for (std::size_t i = 0; i < kCloudCells; ++i) {
         const float depth = cloud.depth[i];
-        if (depth <= 0.0F || users[i] != 0) {
+        if (depth <= 0.0F || belief[i] == Belief::never) {
             waiting_[i] = 0.0F;
             continue;
         }
@@ -26,7 +25,8 @@ void Background::learn(const Cloud& cloud, std::span<const std::uint8_t> users, 
         if (known > 0.0F && std::abs(depth - known) < depthTolerance(depth)) {
             known += kFollow * (depth - known);
             waiting_[i] = 0.0F;
-        } else if (scenery[i] != 0 || known <= 0.0F || depth > known) {
+        } else if (belief[i] == Belief::atOnce || (known <= 0.0F && belief[i] == Belief::whereNew) ||
+                   (known > 0.0F && depth > known)) {
             known = depth;
             waiting_[i] = 0.0F;
         } else {

@@ -9,10 +9,16 @@
 
 namespace cheval::fitting::tracking {
 
-/// The farthest surface seen in each cell, and what replaced it for long. What is seen first is believed at once,
-/// unless it is a person; so is what is farther (what was nearer has left). What is nearer is believed after
-/// kSettleSeconds without a person. Cells that have shown nothing yet are taken to be like the nearest of their
-/// neighbours. Thread-bound.
+/// How soon a reading becomes part of the shop.
+enum class Belief : std::uint8_t {
+    never,     ///< It is a person's.
+    inTime,    ///< When it has stood for kSettleSeconds; at once where it is farther than what was known.
+    whereNew,  ///< The same, but at once where nothing has been seen before.
+    atOnce
+};
+
+/// The farthest surface seen in each cell, and what replaced it for long. Cells that have shown nothing yet are taken
+/// to be like the nearest of their neighbours. Thread-bound.
 class Background {
   public:
     Background();
@@ -25,10 +31,9 @@ class Background {
         const float depth = cloud.depth[cell];
         return known <= 0.0F || depth < known - depthTolerance(depth);
     }
-    /// Learns from every cell with a reading, except those with a person (`users` not 0). Cells marked in `scenery` are
-    /// believed at once. `elapsed` is the time since the frame before, in seconds.
-    void learn(const Cloud& cloud, std::span<const std::uint8_t> users, std::span<const std::uint8_t> scenery,
-               float elapsed);
+    /// Learns from every cell with a reading; `belief` has kCloudCells elements. `elapsed` is the time since the frame
+    /// before, in seconds.
+    void learn(const Cloud& cloud, std::span<const Belief> belief, float elapsed);
 
     /// How long something must stand where it was not before until it is part of the shop.
     static constexpr float kSettleSeconds = 8.0F;

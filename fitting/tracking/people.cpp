@@ -24,6 +24,8 @@ constexpr float kMovedMetres = 0.03F;
 /// How far behind and before a person's centroid a piece of that person may lie.
 constexpr float kDeepestBehind = 0.50F;
 constexpr float kFarthestBefore = 1.0F;
+/// How far from a person's box that person's hands and belongings may be.
+constexpr float kReach = 0.6F;
 
 }  // namespace
 
@@ -56,7 +58,7 @@ People::People(const Zone& zone)
       componentLabels_(kCloudCells),
       labels_(kCloudCells),
       previousLabels_(kCloudCells),
-      scenery_(kCloudCells),
+      belief_(kCloudCells),
       scratch_(kCloudCells),
       components_(kMaximumComponents + 1) {}
 
@@ -107,15 +109,35 @@ void People::update(const Cloud& cloud, hal::TimePoint time, bool floorKnown) {
     labelCells(cloud);
     measurePeople(cloud, time);
 
-    for (std::size_t i = 0; i < kCloudCells; ++i) {
-        const std::uint8_t component = componentLabels_[i];
-        scenery_[i] =
-            mask_[i] == 0 || (component != 0 && owner_[component] == 0 && looksLikeScenery(components_[component])) ? 1
-                                                                                                                    : 0;
-    }
-    background_.learn(cloud, labels_, scenery_, elapsed);
+    judgeCells(cloud);
+    background_.learn(cloud, belief_, elapsed);
     forgetTheGone(time);
     chooseActive(time);
+}
+
+void People::judgeCells(const Cloud& cloud) {
+    // A hand or a bag that is not joined to its person must not become part of the shop before the person moves on.
+    std::array<Eigen::AlignedBox3f, kMaximumUsers> reach;
+    for (std::size_t k = 0; k < kMaximumUsers; ++k) {
+        if (!people_[k].seen) continue;
+        reach[k] = Eigen::AlignedBox3f(people_[k].user.lower - Eigen::Vector3f(kReach, kReach, kReach),
+                                       people_[k].user.upper + Eigen::Vector3f(kReach, kReach, 0.1F));
+    }
+    for (std::size_t i = 0; i < kCloudCells; ++i) {
+        const std::uint8_t component = componentLabels_[i];
+        if (labels_[i] != 0) {
+            belief_[i] = Belief::never;
+        } else if (mask_[i] == 0 ||
+                   (component != 0 && owner_[component] == 0 && looksLikeScenery(components_[component]))) {
+            belief_[i] = Belief::atOnce;
+        } else {
+            const Eigen::Vector3f point = cloud.point(i);
+            const bool within = std::any_of(reach.begin(), reach.end(), [&](const Eigen::AlignedBox3f& box) {
+                return !box.isEmpty() && box.contains(point);
+            });
+            belief_[i] = within ? Belief::inTime : Belief::whereNew;
+        }
+    }
 }
 
 void People::findForeground(const Cloud& cloud, bool floorKnown) {

@@ -71,12 +71,14 @@ class People {
     void attachFragments();
     void labelCells(const Cloud& cloud);
     void measurePeople(const Cloud& cloud, hal::TimePoint time);
+    void judgeCells(const Cloud& cloud);
     void forgetTheGone(hal::TimePoint time);
     void chooseActive(hal::TimePoint time);
 
     Zone zone_;
     Background background_;
-    std::vector<std::uint8_t> mask_, componentLabels_, labels_, previousLabels_, scenery_;
+    std::vector<std::uint8_t> mask_, componentLabels_, labels_, previousLabels_;
+    std::vector<Belief> belief_;
     std::vector<std::uint32_t> scratch_;
     std::vector<Component> components_;
     std::size_t componentCount_ = 0;

@@ -16,7 +16,7 @@ class BackgroundTest : public testing::Test {
     void see(float metres, int frames = 1) {
         std::fill(cloud_.depth.begin(), cloud_.depth.end(), metres);
         for (int i = 0; i < frames; ++i) {
-            background_.learn(cloud_, users_, scenery_, kFrame);
+            background_.learn(cloud_, belief_, kFrame);
         }
     }
     [[nodiscard]] bool inFront(std::size_t cell, float metres) {
@@ -26,8 +26,7 @@ class BackgroundTest : public testing::Test {
 
     Cloud cloud_;
     Background background_;
-    std::vector<std::uint8_t> users_ = std::vector<std::uint8_t>(kCloudCells);
-    std::vector<std::uint8_t> scenery_ = std::vector<std::uint8_t>(kCloudCells);
+    std::vector<Belief> belief_ = std::vector<Belief>(kCloudCells, Belief::whereNew);
     const std::size_t cell_ = cellIndex(100, 100);
 };
 
@@ -36,7 +35,7 @@ TEST_F(BackgroundTest, EverythingIsInFrontWhereNothingHasBeenSeen) {
 }
 
 TEST_F(BackgroundTest, WhatIsSeenFirstIsBelievedAtOnceUnlessItIsAPerson) {
-    users_[cell_] = 1;
+    belief_[cell_] = Belief::never;
     see(3.0F);
     EXPECT_FALSE(inFront(cellIndex(10, 10), 3.0F));
     EXPECT_TRUE(inFront(cellIndex(10, 10), 2.5F));
@@ -45,11 +44,18 @@ TEST_F(BackgroundTest, WhatIsSeenFirstIsBelievedAtOnceUnlessItIsAPerson) {
     EXPECT_TRUE(inFront(cell_, 2.5F));
 }
 
+TEST_F(BackgroundTest, WhatMayBelongToAPersonIsNotBelievedWhereItIsNew) {
+    std::fill(belief_.begin(), belief_.end(), Belief::inTime);
+    see(2.0F, 10);
+    EXPECT_TRUE(inFront(cell_, 2.0F));
+    EXPECT_TRUE(inFront(cell_, 2.4F));
+}
+
 TEST_F(BackgroundTest, ACellThatHasShownNothingIsLikeTheNearestOfItsNeighbours) {
     std::fill(cloud_.depth.begin(), cloud_.depth.end(), 4.0F);
     cloud_.depth[cell_] = 0.0F;
     cloud_.depth[cell_ + 1] = 3.5F;
-    background_.learn(cloud_, users_, scenery_, kFrame);
+    background_.learn(cloud_, belief_, kFrame);
     EXPECT_FALSE(inFront(cell_, 3.5F));
     EXPECT_TRUE(inFront(cell_, 3.0F));
 }
@@ -71,14 +77,14 @@ TEST_F(BackgroundTest, WhatIsPutDownIsBelievedWhenItHasStoodForLong) {
 
 TEST_F(BackgroundTest, APersonIsNeverBelievedHoweverLongTheyStand) {
     see(4.0F);
-    users_[cell_] = 1;
+    belief_[cell_] = Belief::never;
     see(3.0F, static_cast<int>(60.0F / kFrame));
     EXPECT_TRUE(inFront(cell_, 3.0F));
 }
 
 TEST_F(BackgroundTest, WhatIsMarkedAsSceneryIsBelievedAtOnce) {
     see(4.0F);
-    scenery_[cell_] = 1;
+    belief_[cell_] = Belief::atOnce;
     see(3.0F);
     EXPECT_FALSE(inFront(cell_, 3.0F));
 }
