@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
+
 namespace cheval::fitting::tracking {
 namespace {
 
@@ -30,8 +32,27 @@ void join(std::span<std::uint32_t> parents, std::uint32_t a, std::uint32_t b) {
     if (b < a) parents[a] = b;
 }
 
-void add(Component& component, const Cloud& cloud, std::size_t cell) {
+/// Sums for the plane through a component, about its first point.
+struct Moments {
+    Eigen::Vector3f origin = Eigen::Vector3f::Zero();
+    Eigen::Vector3f first = Eigen::Vector3f::Zero();
+    Eigen::Matrix3f second = Eigen::Matrix3f::Zero();
+
+    [[nodiscard]] float roughness(int count) const {
+        const Eigen::Vector3f mean = first / static_cast<float>(count);
+        const Eigen::Matrix3f covariance = second / static_cast<float>(count) - mean * mean.transpose();
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
+        solver.computeDirect(covariance, Eigen::EigenvaluesOnly);
+        return std::sqrt(std::max(0.0F, solver.eigenvalues()[0]));
+    }
+};
+
+void add(Component& component, Moments& moments, const Cloud& cloud, std::size_t cell) {
     const Eigen::Vector3f point = cloud.point(cell);
+    if (component.cells == 0) moments.origin = point;
+    const Eigen::Vector3f offset = point - moments.origin;
+    moments.first += offset;
+    moments.second += offset * offset.transpose();
     if (component.cells == 0) {
         component.lower = component.upper = point;
     } else {
@@ -78,6 +99,7 @@ void ComponentsJob::run() {
             ++scratch[entry];
         }
     }
+    std::array<Moments, kMaximumComponents + 1> moments{};
     for (std::uint32_t cell = 0; cell < kCloudCells; ++cell) {
         labels[cell] = 0;
         if (mask[cell] == 0) continue;
@@ -90,7 +112,7 @@ void ComponentsJob::run() {
         } else {
             labels[cell] = labels[entry];
         }
-        if (labels[cell] != 0) add(components[labels[cell]], *cloud, cell);
+        if (labels[cell] != 0) add(components[labels[cell]], moments[labels[cell]], *cloud, cell);
     }
     float least[kMaximumComponents + 1];
     float most[kMaximumComponents + 1];
@@ -109,6 +131,7 @@ void ComponentsJob::run() {
         components[label].topArea += cellSide * cellSide;
     }
     for (std::size_t i = 1; i <= count; ++i) {
+        components[i].roughness = moments[i].roughness(components[i].cells);
         components[i].centroid /= static_cast<float>(components[i].cells);
         components[i].topWidth = std::max(0.0F, most[i] - least[i]);
         for (const float area : areas[i]) {

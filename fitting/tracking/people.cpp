@@ -42,6 +42,9 @@ bool looksLikeScenery(const Component& component) {
     const Eigen::Vector3f size = component.upper - component.lower;
     if (component.area > 2.0F || size.x() > 2.4F) return true;
     if (component.touchesLeft && component.touchesRight) return true;
+    // Pieces of wall are flat to the sensor's noise; bodies are not.
+    const float noise = 0.012F + 0.0022F * component.centroid.z() * component.centroid.z();
+    if (component.area > 0.15F && component.roughness < noise) return true;
     // People are slender, or they spread thin arms: what is wide and fills its rectangle is a piece of wall or
     // furniture.
     if (component.wideHeight > 0.22F) return true;
@@ -146,8 +149,7 @@ void People::findForeground(const Cloud& cloud, bool floorKnown) {
     for (std::size_t i = 0; i < kCloudCells; ++i) {
         const float depth = cloud.depth[i];
         mask_[i] = depth > 0.0F && cloud.y[i] > lowest && cloud.y[i] < 2.7F &&
-                           cloud.z[i] < zone_.farMetres + kZoneMargin &&
-                           std::abs(cloud.x[i]) < zone_.halfWidthMetres + kZoneMargin && background_.isInFront(cloud, i)
+                           cloud.z[i] < zone_.farMetres + kZoneMargin && background_.isInFront(cloud, i)
                        ? 1
                        : 0;
     }
