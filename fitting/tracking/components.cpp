@@ -68,6 +68,28 @@ void add(Component& component, Moments& moments, const Cloud& cloud, std::size_t
     component.touchesRight |= cellColumn(cell) >= kCloudWidth - 2;
 }
 
+/// Which of two surfaces that meet in the picture hides the other.
+void countOutlines(const Cloud& cloud, std::span<const std::uint8_t> labels, std::span<Component> components) {
+    /// Shadows of the projector part what meets in the picture: as many cells are skipped.
+    constexpr int kWidestShadow = 16;
+    const auto meet = [&](std::size_t a, std::size_t b) {
+        const float step = cloud.depth[b] - cloud.depth[a];
+        if (labels[a] == labels[b] || std::abs(step) < depthTolerance(cloud.depth[a])) return;
+        if (labels[a] != 0) ++(step > 0.0F ? components[labels[a]].before : components[labels[a]].behind);
+        if (labels[b] != 0) ++(step < 0.0F ? components[labels[b]].before : components[labels[b]].behind);
+    };
+    for (int row = 0; row < kCloudHeight; ++row) {
+        int last = -kWidestShadow;
+        for (int column = 0; column < kCloudWidth; ++column) {
+            const std::size_t i = cellIndex(column, row);
+            if (cloud.depth[i] <= 0.0F) continue;
+            if (column - last < kWidestShadow) meet(cellIndex(last, row), i);
+            if (row > 0 && cloud.depth[i - kCloudWidth] > 0.0F) meet(i - kCloudWidth, i);
+            last = column;
+        }
+    }
+}
+
 }  // namespace
 
 void ComponentsJob::run() {
@@ -114,6 +136,7 @@ void ComponentsJob::run() {
         }
         if (labels[cell] != 0) add(components[labels[cell]], moments[labels[cell]], *cloud, cell);
     }
+    countOutlines(*cloud, labels, components);
     float least[kMaximumComponents + 1];
     float most[kMaximumComponents + 1];
     std::fill(std::begin(least), std::end(least), 1e3F);

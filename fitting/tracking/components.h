@@ -22,6 +22,8 @@ struct Component {
     Eigen::Vector3f upper = Eigen::Vector3f::Zero();
     float topWidth = 0.0F;     ///< Extent in x of what lies within 0.14 m of the highest point.
     float topArea = 0.0F;      ///< Square metres of that.
+    int before = 0;            ///< Cells of its outline beyond which something farther is seen,
+    int behind = 0;            ///< … or something nearer, which hides the rest of it.
     float roughness = 0.0F;    ///< Root mean square of the distances to its best plane, metres.
     float wideHeight = 0.0F;   ///< Metres of height over which it is more than 0.85 m wide, gaps not counted.
     bool touchesLeft = false;  ///< The picture's edges.

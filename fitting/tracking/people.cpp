@@ -35,6 +35,8 @@ bool looksLikePerson(const Component& component, bool floorKnown) {
     if (size.y() < 0.40F || size.x() > 2.1F || size.z() > 1.6F) return false;
     if (component.upper.y() < 0.6F || component.upper.y() > 2.45F) return false;
     if (floorKnown && component.lower.y() > kStandsWithin && !component.touchesBottom) return false;
+    // Somebody hides what is behind them; a piece of wall between an arm and a body is itself half hidden.
+    if (component.behind > component.before) return false;
     return !looksLikeScenery(component);
 }
 
