@@ -44,4 +44,21 @@ std::vector<TrackingFrame> simulatedVisit(const VisitRequest& request) {
     return frames;
 }
 
+void addShopper(const std::vector<TrackingFrame>& from, int right, std::vector<TrackingFrame>& into) {
+    for (std::size_t i = 0; i < std::min(from.size(), into.size()); ++i) {
+        const TrackingFrame& other = from[i];
+        TrackingFrame& frame = into[i];
+        frame.people += other.people;
+        for (int y = 0; y < frame.depth.height; ++y) {
+            for (int x = std::max(0, -right); x < std::min(frame.depth.width, frame.depth.width - right); ++x) {
+                if (other.owner.view().at(x, y) == 0) continue;
+                std::uint16_t& exact = frame.exact.view().at(x + right, y);
+                if (exact != 0 && exact < other.exact.view().at(x, y)) continue;
+                exact = other.exact.view().at(x, y);
+                frame.depth.view().at(x + right, y) = other.depth.view().at(x, y);
+            }
+        }
+    }
+}
+
 }  // namespace cheval::bench

@@ -34,6 +34,10 @@ struct VisitRequest {
 /// Frames of the simulated kiosk.
 std::vector<TrackingFrame> simulatedVisit(const VisitRequest& request);
 
+/// Puts the shopper of each frame of `from` into the same frame of `into`, `right` pixels further to the right, before
+/// or behind whoever is there. Both need the exact scene.
+void addShopper(const std::vector<TrackingFrame>& from, int right, std::vector<TrackingFrame>& into);
+
 /// The simulated kiosk's mount.
 hal::Mount simulatedMount();
 
