@@ -24,6 +24,7 @@ using fitting::tracking::DepthCleanupJob;
 using fitting::tracking::SurfaceCleanupJob;
 
 constexpr std::uint8_t kLabel = 1;
+constexpr std::uint8_t kShopper = 1;  ///< As owner: the first figure.
 constexpr int kEdgeReach = 3;
 constexpr int kEdgeStep = 50;  ///< Millimetres between neighbours of two surfaces.
 constexpr int kRight = 30;     ///< A filled pixel this near to the truth is right.
@@ -60,7 +61,7 @@ const std::vector<Case>& cases() {
                 one.edge.resize(frame.depth.width, frame.depth.height);
                 for (int y = 0; y < frame.depth.height; ++y) {
                     for (int x = 0; x < frame.depth.width; ++x) {
-                        if (frame.person.view().at(x, y) == 0) continue;
+                        if (frame.owner.view().at(x, y) != kShopper) continue;
                         one.map.view().at(x, y) = frame.depth.view().at(x, y) != 0 ? kLabel : 0;
                         one.edge.view().at(x, y) = nearEdge(frame, x, y) ? 1 : 0;
                     }
@@ -81,7 +82,7 @@ struct Scores {
     void add(const Case& one, const hal::Image<std::uint16_t>& cleaned) {
         for (std::size_t i = 0; i < cleaned.pixels.size(); ++i) {
             const int value = cleaned.pixels[i];
-            if (one.frame.person.pixels[i] == 0) {
+            if (one.frame.owner.pixels[i] != kShopper) {
                 invented += value != 0 ? 1 : 0;
                 continue;
             }
