@@ -31,16 +31,16 @@ struct Share {
     int visits;
     double seconds;
 };
-constexpr std::array<Share, hal::sim::kScriptCount> kShares = {{{Script::visit, 16, 16.0},
-                                                                {Script::resting, 30, 8.0},
+constexpr std::array<Share, hal::sim::kScriptCount> kShares = {{{Script::visit, 12, 16.0},
+                                                                {Script::resting, 32, 7.6},
                                                                 {Script::pacing, 24, 9.0},
-                                                                {Script::gestures, 40, 20.0},
-                                                                {Script::fidgeting, 36, 20.0},
-                                                                {Script::passersBy, 36, 16.0},
-                                                                {Script::occlusion, 28, 9.5},
-                                                                {Script::mannequin, 12, 10.0},
-                                                                {Script::dog, 10, 7.5}}};
-constexpr int kWholeRun = 232;
+                                                                {Script::gestures, 36, 18.0},
+                                                                {Script::fidgeting, 32, 20.0},
+                                                                {Script::passersBy, 34, 16.0},
+                                                                {Script::occlusion, 30, 9.0},
+                                                                {Script::mannequin, 12, 9.0},
+                                                                {Script::dog, 12, 7.5}}};
+constexpr int kWholeRun = 224;
 
 struct Arguments {
     int visits = kWholeRun;
@@ -104,11 +104,12 @@ std::vector<Task> tasksOf(const Arguments& arguments) {
     std::vector<Task> tasks;
     for (const Share& share : kShares) {
         if (!arguments.only.empty() && arguments.only != nameOf(share.script)) continue;
-        // Of one script alone, as many as a whole run of that many has.
         const int visits = std::max(
             1, static_cast<int>(std::lround(static_cast<double>(share.visits) * arguments.visits / kWholeRun)));
+        // No two visits of a whole run share a shop.
+        const std::uint32_t first = arguments.seed + 1000 * static_cast<std::uint32_t>(share.script);
         for (int i = 0; i < visits; ++i)
-            tasks.push_back({share.script, arguments.seed + static_cast<std::uint32_t>(i), share.seconds});
+            tasks.push_back({share.script, first + static_cast<std::uint32_t>(i), share.seconds});
     }
     return tasks;
 }

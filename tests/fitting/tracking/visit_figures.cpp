@@ -76,6 +76,7 @@ class Reader {
     const VisitRecording& recording_;
     const std::vector<SeenFrame>& frames_;
     VisitFigures& figures_;
+    std::array<double, 2> exchanged_ = {-1.0, -1.0};  ///< When arms and legs last were.
     std::size_t entry_ = 0;  ///< First frame with the shopper wholly in view, or the number of frames.
 };
 
@@ -127,7 +128,10 @@ void Reader::readSwaps(const SeenFrame& frame) {
         }
         if (!seen || gain < 4.0F * kSwapMetres) continue;
         swapped = true;
-        miss(frame.time, std::string(limb.name) + " exchanged");
+        // One line for frames that follow each other.
+        double& last = exchanged_[static_cast<std::size_t>(&limb - kLimbs.data())];
+        if (frame.time - last > 0.1) miss(frame.time, std::string(limb.name) + " exchanged");
+        last = frame.time;
     }
     figures_.swaps.add(swapped);
 }
