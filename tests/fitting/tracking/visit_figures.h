@@ -70,9 +70,18 @@ struct VisitFigures {
     std::vector<std::string> misses;  ///< One line each: script, seed, seconds, what.
 
     void add(const VisitFigures& other);
+    /// Notes what went wrong at `time` seconds of a visit.
+    void miss(const VisitRecording& recording, double time, const std::string& what);
     [[nodiscard]] JointErrors allErrors() const;
 };
 
+/// Compares the events reported with those meant as score.py does (kind, hand and direction agree, spans overlap with
+/// half a second of slack, each event counts once), or counts all as false. `seconds` is how long the shopper was in
+/// view.
+void readGestures(const VisitRecording& recording, double seconds, VisitFigures& figures);
+void readFidgeting(const VisitRecording& recording, double seconds, VisitFigures& figures);
+
+/// All figures that a visit of its script gives.
 VisitFigures figuresOf(const VisitRecording& recording);
 /// The script's name as on the command line.
 const char* nameOf(hal::sim::Script script);
