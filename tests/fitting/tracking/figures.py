@@ -131,7 +131,7 @@ def hand_rows(chevalctl, data):
     if not (folder / "README.md").exists():
         print(f"no {folder}/README.md: left out", file=sys.stderr)
         return [], True
-    if run([*chevalctl, "hands", "--help"]).returncode != 0:
+    if not re.search(r"^\s+hands\b", run([*chevalctl, "--help"]).stdout, re.MULTILINE):
         print("chevalctl has no command hands: left out", file=sys.stderr)
         return [], True
     truth = {}

@@ -81,6 +81,10 @@ struct VisitFigures {
 void readGestures(const VisitRecording& recording, double seconds, VisitFigures& figures);
 void readFidgeting(const VisitRecording& recording, double seconds, VisitFigures& figures);
 
+/// Finds by how much each joint's path follows the true one too late, from frame `first` of a pacing visit on. A
+/// constant offset is no lag, nor is one that turns with the body.
+void readLag(const VisitRecording& recording, std::size_t first, VisitFigures& figures);
+
 /// All figures that a visit of its script gives.
 VisitFigures figuresOf(const VisitRecording& recording);
 /// The script's name as on the command line.

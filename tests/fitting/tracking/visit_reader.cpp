@@ -23,10 +23,6 @@ float errorOf(const SeenFrame& frame, std::size_t joint) {
     return (frame.tracked.joints[joint].position - frame.truth.joints[joint].position).norm();
 }
 
-bool tracksShopper(const SeenFrame& frame) {
-    return frame.tracked.present() && frame.activeFigure == 0;
-}
-
 bool fullSkeleton(const SeenFrame& frame) {
     if (!tracksShopper(frame)) return false;
     for (std::size_t i = 0; i < kJointCount; ++i) {
@@ -60,15 +56,12 @@ class Reader {
     void readOcclusion();
     void readPasses();
     void readRest();
-    void readLag();
     void readStill();
     /// Seconds since the shopper came into view.
     [[nodiscard]] double watched() const {
         return static_cast<double>(frames_.size() - entry_) / kVisitFramesPerSecond;
     }
     [[nodiscard]] std::string describe(const SeenFrame& frame) const;
-    /// Truth of a joint at any time of the visit, between frames by a straight line.
-    [[nodiscard]] Vector3f truthAt(std::size_t joint, double time) const;
 
     const VisitRecording& recording_;
     const std::vector<SeenFrame>& frames_;
@@ -100,8 +93,9 @@ void Reader::readEntry() {
     if (time <= 0.5) return;
     const std::size_t then =
         std::min(frames_.size() - 1, entry_ + static_cast<std::size_t>(0.5 * kVisitFramesPerSecond));
-    miss(frames_[then].time,
-         "no full skeleton 0.5 s after entry (it took " + std::to_string(time) + " s): " + describe(frames_[then]));
+    miss(frames_[then].time, "no full skeleton 0.5 s after entry (after " +
+                                 (time < kNever ? std::to_string(time) + " s" : "never") +
+                                 "): " + describe(frames_[then]));
 }
 
 void Reader::readSwaps(const SeenFrame& frame) {
@@ -301,53 +295,6 @@ void Reader::readRest() {
     }
 }
 
-Vector3f Reader::truthAt(std::size_t joint, double time) const {
-    const double place = std::clamp(time * kVisitFramesPerSecond, 0.0, static_cast<double>(frames_.size() - 1));
-    const auto lower = static_cast<std::size_t>(place);
-    const std::size_t upper = std::min(lower + 1, frames_.size() - 1);
-    const auto share = static_cast<float>(place - static_cast<double>(lower));
-    return (1.0F - share) * frames_[lower].truth.joints[joint].position +
-           share * frames_[upper].truth.joints[joint].position;
-}
-
-void Reader::readLag() {
-    const std::size_t first = entry_ + 30;
-    if (first + 90 > frames_.size()) return;
-    // Facing or not is decided for the visit: half-way through a stride the trunk points there.
-    int aside = 0;
-    for (const SeenFrame& frame : frames_)
-        aside += std::abs((frame.truth[Joint::torso].orientation * Vector3f::UnitZ()).z()) < 0.5F ? 1 : 0;
-    const bool facing = aside < static_cast<int>(frames_.size()) / 3;
-    auto& curves = facing ? figures_.lagFacing : figures_.lagAside;
-    for (std::size_t i = 0; i < kJointCount; ++i) {
-        std::vector<const SeenFrame*> used;
-        for (std::size_t n = first; n < frames_.size(); ++n) {
-            if (tracksShopper(frames_[n]) && frames_[n].visible[i]) used.push_back(&frames_[n]);
-        }
-        if (used.size() < 90) continue;
-        LagCurve curve;
-        curve.frames = static_cast<long>(used.size());
-        for (std::size_t k = 0; k < LagCurve::kSize; ++k) {
-            const double delay = 1e-3 * (LagCurve::kFirstMs + LagCurve::kStepMs * static_cast<int>(k));
-            // A joint's constant offset is no lag.
-            double sum = 0.0, squares = 0.0;
-            for (const SeenFrame* frame : used) {
-                const double off =
-                    static_cast<double>(frame->tracked.joints[i].position.x() - truthAt(i, frame->time - delay).x());
-                sum += off;
-                squares += off * off;
-            }
-            curve.misfit[k] = squares - sum * sum / static_cast<double>(used.size());
-        }
-        curves[i].add(curve);
-        if (std::abs(curve.bestMs()) > 80.0) {
-            char text[80];
-            std::snprintf(text, sizeof text, "%s lags by %.0f ms", std::string(kJointNames[i]).c_str(), curve.bestMs());
-            miss(frames_[first].time, text);
-        }
-    }
-}
-
 /// Mannequin and dog.
 void Reader::readStill() {
     const bool dog = recording_.script == sim::Script::dog;
@@ -373,7 +320,7 @@ void Reader::read() {
         case sim::Script::resting:
             return readRest();
         case sim::Script::pacing:
-            return readLag();
+            return readLag(recording_, entry_ + 30, figures_);
         case sim::Script::visit:
         case sim::Script::gestures:
             return readGestures(recording_, watched(), figures_);

@@ -35,6 +35,11 @@ struct SeenFrame {
     int activeFigure = kNobody;  ///< Place in WorldTruth::figures of whom most of the active user's pixels show.
 };
 
+/// Whether the skeleton is the shopper's.
+inline bool tracksShopper(const SeenFrame& frame) {
+    return frame.tracked.present() && frame.activeFigure == 0;
+}
+
 struct VisitRecording {
     hal::sim::Script script = hal::sim::Script::visit;
     std::uint32_t seed = 0;

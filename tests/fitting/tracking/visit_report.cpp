@@ -30,8 +30,19 @@ ReportRow rateRow(std::string what, std::string goal, const Rate& rate, std::opt
             .met = rate.count > 0 ? met : std::nullopt};
 }
 
+/// The least time within which that share of them came.
+double cameWithin(std::vector<double> times, double share) {
+    if (times.empty()) return 0.0;
+    std::sort(times.begin(), times.end());
+    return times[static_cast<std::size_t>(std::ceil(share * static_cast<double>(times.size()))) - 1];
+}
+
+std::string secondsText(double time) {
+    return time < kNever ? text("%.2f s", time) : "never";
+}
+
 ReportRow timeRow(std::string what, std::string goal, const std::vector<double>& times, double limit) {
-    const double p95 = quantile(times, 0.95);
+    const double p95 = cameWithin(times, 0.95);
     const auto never = std::count(times.begin(), times.end(), kNever);
     Rate within;
     for (const double time : times)
@@ -39,8 +50,8 @@ ReportRow timeRow(std::string what, std::string goal, const std::vector<double>&
     const auto [low, high] = within.bounds();
     ReportRow row{.what = std::move(what),
                   .goal = std::move(goal),
-                  .reached = text("p50 %.2f, p95 %.2f s%s", quantile(times, 0.5), p95,
-                                  never > 0 ? text(", %ld never", static_cast<long>(never)).c_str() : ""),
+                  .reached = "p50 " + secondsText(cameWithin(times, 0.5)) + ", p95 " + secondsText(p95) +
+                             (never > 0 ? text(", %ld never", static_cast<long>(never)) : ""),
                   .count = text("%zu visits", times.size()),
                   .bounds = text("in time %.1f %%, %.1f to %.1f %%", 100.0 * within.share(), 100.0 * low, 100.0 * high),
                   .met = p95 <= limit};
