@@ -65,6 +65,10 @@ void VisitFigures::add(const VisitFigures& other) {
         for (std::size_t i = 0; i < kJointCount; ++i)
             errors[script][i].add(joints[i]);
     }
+    for (std::size_t i = 0; i < kShopperKindCount; ++i) {
+        errorsByShopper[i].add(other.errorsByShopper[i]);
+        fullInTime[i].add(other.fullInTime[i]);
+    }
     swaps.add(other.swaps);
     hiddenClaims.add(other.hiddenClaims);
     openHands.add(other.openHands);
@@ -86,7 +90,8 @@ JointErrors VisitFigures::allErrors() const {
 
 void VisitFigures::miss(const VisitRecording& recording, double time, const std::string& what) {
     char head[64];
-    std::snprintf(head, sizeof head, "%-10s seed %5u  %6.2f s  ", nameOf(recording.script), recording.seed, time);
+    std::snprintf(head, sizeof head, "%-10s %-10s seed %5u  %6.2f s  ", nameOf(recording.script),
+                  kShopperKindNames[static_cast<std::size_t>(recording.shopper)], recording.seed, time);
     misses.push_back(head + what);
 }
 

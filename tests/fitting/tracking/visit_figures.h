@@ -12,6 +12,8 @@
 
 namespace cheval::fitting::test {
 
+/// Seconds to find a shopper: the goal, and what is allowed before errors count.
+inline constexpr double kAllowance = 0.5;
 /// A time that never came.
 inline constexpr double kNever = 99.0;
 
@@ -61,13 +63,15 @@ struct VisitFigures {
     long falseEvents = 0;  ///< While fidgeting.
     double fidgetSeconds = 0.0;
     std::map<std::string, std::array<JointErrors, kJointCount>> errors;  ///< By script.
-    Rate swaps;                       ///< Frames in which left and right limbs are exchanged.
-    Rate hiddenClaims;                ///< Hidden joints reported with confidence ≥ 0.5.
-    Rate openHands, closedHands;      ///< Raised hands read right.
-    Rate unknownHands;                ///< Raised hands not read.
-    Rate mannequinActive;             ///< Frames in which the mannequin is the active user.
-    Rate dogActive;                   ///< Frames with an active user while only a dog is there.
-    std::vector<std::string> misses;  ///< One line each: script, seed, seconds, what.
+    std::array<JointErrors, kShopperKindCount> errorsByShopper;
+    std::array<Rate, kShopperKindCount> fullInTime;  ///< Visits with a full skeleton after 0.5 s.
+    Rate swaps;                                      ///< Frames in which left and right limbs are exchanged.
+    Rate hiddenClaims;                               ///< Hidden joints reported with confidence ≥ 0.5.
+    Rate openHands, closedHands;                     ///< Raised hands read right.
+    Rate unknownHands;                               ///< Raised hands not read.
+    Rate mannequinActive;                            ///< Frames in which the mannequin is the active user.
+    Rate dogActive;                                  ///< Frames with an active user while only a dog is there.
+    std::vector<std::string> misses;                 ///< One line each: script, seed, seconds, what.
 
     void add(const VisitFigures& other);
     /// Notes what went wrong at `time` seconds of a visit.

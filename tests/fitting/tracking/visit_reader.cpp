@@ -17,7 +17,6 @@ namespace sim = hal::sim;
 constexpr float kFullSkeletonMetres = 0.15F;
 constexpr float kNearMetres = 0.10F;
 constexpr float kSwapMetres = 0.15F;
-constexpr double kAllowance = 0.5;  ///< Seconds to find a shopper before errors count.
 
 float errorOf(const SeenFrame& frame, std::size_t joint) {
     return (frame.tracked.joints[joint].position - frame.truth.joints[joint].position).norm();
@@ -90,7 +89,8 @@ void Reader::readEntry() {
     const auto full = std::find_if(frames_.begin() + static_cast<std::ptrdiff_t>(entry_), frames_.end(), fullSkeleton);
     const double time = full == frames_.end() ? kNever : full->time - frames_[entry_].time;
     figures_.firstFull.push_back(time);
-    if (time <= 0.5) return;
+    figures_.fullInTime[static_cast<std::size_t>(recording_.shopper)].add(time <= kAllowance);
+    if (time <= kAllowance) return;
     const std::size_t then =
         std::min(frames_.size() - 1, entry_ + static_cast<std::size_t>(0.5 * kVisitFramesPerSecond));
     miss(frames_[then].time, "no full skeleton 0.5 s after entry (after " +
@@ -200,6 +200,8 @@ void Reader::readErrors() {
             readHands(frame);
         }
     }
+    for (const JointErrors& joint : errors)
+        figures_.errorsByShopper[static_cast<std::size_t>(recording_.shopper)].add(joint);
     endLost();
     for (std::size_t i = 0; i < kJointCount; ++i)
         endBad(i, frames_.back().time);

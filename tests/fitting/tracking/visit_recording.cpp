@@ -159,6 +159,10 @@ VisitRecording recordVisit(sim::Script script, std::uint32_t seed, double second
         tracker.readHands(frame);
         const sim::WorldTruth truth = sim::truthAt(*world, seen.time);
         const sim::ExactView exact = sim::exactView(*world);
+        const sim::FigureTruth& first = truth.figures[0];
+        recording.shopper = first.wheelchair              ? ShopperKind::seated
+                            : first.statureMetres < 1.45F ? ShopperKind::child
+                                                          : ShopperKind::adult;
         seen.inRoom = truth.skeleton.present();
         seen.whollyInView = truth.present;
         seen.truth = truth.skeleton;

@@ -40,9 +40,15 @@ inline bool tracksShopper(const SeenFrame& frame) {
     return frame.tracked.present() && frame.activeFigure == 0;
 }
 
+/// Who comes: what the tracker finds easier or harder.
+enum class ShopperKind : std::uint8_t { adult, child, seated };
+inline constexpr std::size_t kShopperKindCount = 3;
+inline constexpr std::array<const char*, kShopperKindCount> kShopperKindNames = {"adult", "child", "wheelchair"};
+
 struct VisitRecording {
     hal::sim::Script script = hal::sim::Script::visit;
     std::uint32_t seed = 0;
+    ShopperKind shopper = ShopperKind::adult;
     std::vector<SeenFrame> frames;
     std::vector<hal::sim::MeantGesture> meant;
 };

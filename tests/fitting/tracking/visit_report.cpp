@@ -196,12 +196,22 @@ void printDetails(const VisitFigures& figures, std::FILE* out) {
         for (const JointErrors& joint : joints)
             std::fprintf(out, "   %5.0f (%3.0f %%)", joint.meanMm(), 100.0 * joint.rate().share());
     }
+    std::fprintf(out, "\nBy shopper\n");
+    for (std::size_t i = 0; i < kShopperKindCount; ++i) {
+        const JointErrors& errors = figures.errorsByShopper[i];
+        const Rate& full = figures.fullInTime[i];
+        std::fprintf(out,
+                     "%-12s mean error %.1f mm, within 100 mm %.1f %% of %ld joints in frames; full skeleton in time "
+                     "in %ld of %ld visits\n",
+                     kShopperKindNames[i], errors.meanMm(), 100.0 * errors.rate().share(), errors.rate().count,
+                     full.hits, full.count);
+    }
     const auto line = [&](const char* name, const auto& value) {
         std::fprintf(out, "\n%-12s", name);
         for (std::size_t i = 0; i < kJointCount; ++i)
             std::fprintf(out, " %14.1f", value(i));
     };
-    std::fprintf(out, "\nJitter, mm RMS, and lag, ms");
+    std::fprintf(out, "Jitter, mm RMS, and lag, ms");
     line("at rest", [&](std::size_t i) { return rmsMm(figures, i); });
     line("facing",
          [&](std::size_t i) { return figures.lagFacing[i].frames > 0 ? figures.lagFacing[i].bestMs() : 0.0; });
