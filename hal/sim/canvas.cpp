@@ -69,13 +69,19 @@ Canvas::Pixel Canvas::pixel(int x, int y) const {
     return result;
 }
 
-void Canvas::draw(std::span<const CanvasVertex> vertices, const Mesh& mesh, std::uint32_t owner) {
+void Canvas::draw(std::span<const CanvasVertex> vertices, const Mesh& mesh, std::uint32_t owner, bool coloured) {
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const auto& [a, b, c] = mesh.triangles[i];
-        drawTriangle(vertices[a], vertices[b], vertices[c], paint(0, 0, 0, mesh.materials[i], owner));
+        const Paint colourless = paint(0, 0, 0, mesh.materials[i], owner);
+        if (coloured) {
+            drawTriangle<true>(vertices[a], vertices[b], vertices[c], colourless);
+        } else {
+            drawTriangle<false>(vertices[a], vertices[b], vertices[c], colourless);
+        }
     }
 }
 
+template <bool kColoured>
 void Canvas::drawTriangle(const CanvasVertex& a, const CanvasVertex& b, const CanvasVertex& c, Paint colourless) {
     // The picture's y runs down and the mirror frame is seen from its −Z side: what faces the viewer runs clockwise
     // in it.
@@ -137,6 +143,18 @@ void Canvas::drawTriangle(const CanvasVertex& a, const CanvasVertex& b, const Ca
         };
         float near = atNearness(dxFrom);
         const float nearStep = (atNearness(dxTo) - near) * share;
+        const std::size_t row = offset(y);
+        if constexpr (!kColoured) {
+            for (int x = from; x <= to; ++x) {
+                const std::size_t at = row + static_cast<std::size_t>(x);
+                if (near > nearness_[at]) {
+                    nearness_[at] = near;
+                    paint_[at] = colourless;
+                }
+                near += nearStep;
+            }
+            continue;
+        }
         const auto span = [&](float value, const std::array<float, 2>& slope) {
             const float first = std::clamp(value + dxFrom * slope[0] + dy * slope[1], 0.0F, 255.0F);
             const float last = std::clamp(value + dxTo * slope[0] + dy * slope[1], 0.0F, 255.0F);
@@ -146,7 +164,6 @@ void Canvas::drawTriangle(const CanvasVertex& a, const CanvasVertex& b, const Ca
         auto [r, stepR] = span(a.r, red);
         auto [g, stepG] = span(a.g, green);
         auto [bl, stepB] = span(a.b, blue);
-        const std::size_t row = offset(y);
         for (int x = from; x <= to; ++x) {
             const std::size_t at = row + static_cast<std::size_t>(x);
             if (near > nearness_[at]) {
@@ -163,7 +180,7 @@ void Canvas::drawTriangle(const CanvasVertex& a, const CanvasVertex& b, const Ca
 }
 
 PixelBox light(const View& view, const Mesh& mesh, std::span<const Vector3f> positions,
-               std::span<const Vector3f> normals, std::span<CanvasVertex> vertices) {
+               std::span<const Vector3f> normals, std::span<CanvasVertex> vertices, bool coloured) {
     // A large soft window light from the upper left of the glass, a weaker one from the other side, and what walls and
     // floor throw back.
     const Vector3f key = Vector3f(-0.45F, 0.62F, -0.64F).normalized();
@@ -180,24 +197,26 @@ PixelBox light(const View& view, const Mesh& mesh, std::span<const Vector3f> pos
     for (std::size_t i = 0; i < positions.size(); ++i) {
         const Vector3f seen = view.toSensor(positions[i]);
         if (seen.z() < kNearest) return {};
-        const Vector3f& n = normals[i];
-        const Vector3f toEye = (view.place() - positions[i]).normalized();
-        // Wrapped around the terminator, as a large light does.
-        const float keyed = std::max(0.0F, (n.dot(key) + 0.25F) * 0.8F);
-        const float filled = std::max(0.0F, n.dot(fill));
-        const float up = 0.5F + 0.5F * n.y();
-        const float facing = std::max(0.0F, n.dot(toEye));
-        const float rim = 0.80F + 0.20F * std::sqrt(facing);
-        const Vector3f light = rim * (keyed * keyColour + filled * fillColour + up * above + (1.0F - up) * below);
-        const Vector3f colour = mesh.albedo[i].cwiseProduct(light);
         const float inverse = 1.0F / seen.z();
         CanvasVertex& vertex = vertices[i];
         vertex.x = kSamplesAcross * (lens.cx + lens.fx * seen.x() * inverse + 0.5F) - 0.5F;
         vertex.y = kSamplesAcross * (lens.cy - lens.fy * seen.y() * inverse + 0.5F) - 0.5F;
         vertex.nearness = inverse;
-        vertex.r = toByte(colour.x());
-        vertex.g = toByte(colour.y());
-        vertex.b = toByte(colour.z());
+        if (coloured) {
+            const Vector3f& n = normals[i];
+            const Vector3f toEye = (view.place() - positions[i]).normalized();
+            // Wrapped around the terminator, as a large light does.
+            const float keyed = std::max(0.0F, (n.dot(key) + 0.25F) * 0.8F);
+            const float filled = std::max(0.0F, n.dot(fill));
+            const float up = 0.5F + 0.5F * n.y();
+            const float facing = std::max(0.0F, n.dot(toEye));
+            const float rim = 0.80F + 0.20F * std::sqrt(facing);
+            const Vector3f light = rim * (keyed * keyColour + filled * fillColour + up * above + (1.0F - up) * below);
+            const Vector3f colour = mesh.albedo[i].cwiseProduct(light);
+            vertex.r = toByte(colour.x());
+            vertex.g = toByte(colour.y());
+            vertex.b = toByte(colour.z());
+        }
         minX = std::min(minX, vertex.x);
         minY = std::min(minY, vertex.y);
         maxX = std::max(maxX, vertex.x);

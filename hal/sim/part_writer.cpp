@@ -29,7 +29,7 @@ Shopper drawPerson(Draw& draw, bool grownUp) {
     std::uint32_t kind = draw.choice(6);
     if (grownUp && kind == kChildKind) kind = 3;
     Shopper shopper = makeShopper(0, 6 * draw.choice(1'000'000) + kind);
-    shopper.wheelchair = draw.choice(12) == 0 && !grownUp && kind != kChildKind;
+    shopper.wheelchair = draw.choice(25) == 0 && !grownUp && kind != kChildKind;
     return shopper;
 }
 

@@ -89,8 +89,9 @@ PixelBox Scene::draw(const Moment& moment, std::size_t which) {
     Figure& figure = figures_[which];
     figure.pose = poseOf(cast_, performer, figure.rig, moment);
     pose(figure);
-    const PixelBox box = light(view_, figure.mesh, figure.positions, figure.normals, figure.vertices);
-    if (!box.empty()) canvas_.draw(figure.vertices, figure.mesh, static_cast<std::uint32_t>(which) + 1);
+    const PixelBox box = light(view_, figure.mesh, figure.positions, figure.normals, figure.vertices, options_.colour);
+    if (!box.empty())
+        canvas_.draw(figure.vertices, figure.mesh, static_cast<std::uint32_t>(which) + 1, options_.colour);
     return box;
 }
 

@@ -13,7 +13,6 @@ namespace {
 
 using Eigen::Vector2f;
 using fitting::Side;
-using fitting::SwipeDirection;
 
 constexpr float kQuarter = 0.5F * std::numbers::pi_v<float>;
 

@@ -62,6 +62,7 @@ FigureTruth truthOf(const View& view, const Cast& cast, const Performer& perform
     figure.kind = performer.kind;
     figure.inRoom = inRoom(cast, performer, moment);
     figure.statureMetres = performer.kind == FigureKind::dog ? performer.dog.shoulderHeight : performer.shopper.stature;
+    figure.wheelchair = performer.shopper.wheelchair;
     if (!figure.inRoom || performer.kind == FigureKind::dog) return figure;
     const Rig rig = makeRig(performer.shopper);
     const Pose pose = poseOf(cast, performer, rig, moment);

@@ -53,7 +53,8 @@ struct FigureTruth {
     bool whollyInView = false;   ///< In the room, and no part of them beyond the picture's edge.
     fitting::Skeleton skeleton;  ///< Mirror frame; of somebody in the room who is not a dog, else nobody's.
     std::array<fitting::HandState, fitting::kSideCount> hands{};
-    float statureMetres = 0.0F;  ///< Floor to crown; a dog's shoulder.
+    float statureMetres = 0.0F;  ///< Floor to crown of who stands; a dog's shoulder.
+    bool wheelchair = false;
 };
 
 /// What is really there; for tests and benchmarks only.
