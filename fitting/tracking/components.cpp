@@ -78,15 +78,25 @@ void countOutlines(const Cloud& cloud, std::span<const std::uint8_t> labels, std
         if (labels[a] != 0) ++(step > 0.0F ? components[labels[a]].before : components[labels[a]].behind);
         if (labels[b] != 0) ++(step < 0.0F ? components[labels[b]].before : components[labels[b]].behind);
     };
+    // Wide gaps are no shadows: there the sensor reaches nothing, which lies farther than everything.
+    const auto end = [&](std::size_t cell) {
+        if (labels[cell] != 0) ++components[labels[cell]].before;
+    };
     for (int row = 0; row < kCloudHeight; ++row) {
-        int last = -kWidestShadow;
+        int last = -1;
         for (int column = 0; column < kCloudWidth; ++column) {
             const std::size_t i = cellIndex(column, row);
             if (cloud.depth[i] <= 0.0F) continue;
-            if (column - last < kWidestShadow) meet(cellIndex(last, row), i);
+            if (column - last >= kWidestShadow) {
+                if (last >= 0) end(cellIndex(last, row));
+                end(i);
+            } else if (last >= 0) {
+                meet(cellIndex(last, row), i);
+            }
             if (row > 0 && cloud.depth[i - kCloudWidth] > 0.0F) meet(i - kCloudWidth, i);
             last = column;
         }
+        if (last >= 0 && kCloudWidth - last >= kWidestShadow) end(cellIndex(last, row));
     }
 }
 
