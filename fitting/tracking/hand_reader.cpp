@@ -1,6 +1,7 @@
 #include "fitting/tracking/hand_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace cheval::fitting::tracking {
@@ -22,13 +23,26 @@ float bounded(float value) {
 
 }  // namespace
 
-float openness(const HandShape& shape, float cellMetres, float headToNeck) {
-    const float reach = shape.fingerReach * cellMetres / headToNeck;
-    const float ratio = shape.fingerReach / std::max(shape.palmRadius, 0.1F);
-    const float depth = shape.hullDepth / std::max(shape.palmRadius, 0.1F);
-    return (bounded((reach - 0.61F) / 0.10F) + bounded((ratio - 2.15F) / 0.40F) +
-            0.7F * bounded((depth - 0.52F) / 0.25F)) /
-           2.7F;
+float openness(const HandShape& shape, const HandRelief& relief, float cellMetres, float headToNeck) {
+    // One measure's part: its mean and standard deviation over hands of both kinds, and what a deviation weighs.
+    struct Measure {
+        float value, mean, deviation, weight;
+    };
+    const float millimetre = 1e-3F / headToNeck;
+    const std::array<Measure, 6> measures = {{
+        {relief.spread * millimetre, 0.630F, 0.118F, 0.74F},
+        {relief.breadth * millimetre, 0.176F, 0.0248F, 0.31F},
+        {relief.thickness * millimetre, 0.0779F, 0.0117F, -1.34F},
+        {relief.reach * millimetre, 0.734F, 0.156F, 0.64F},
+        {shape.fingerReach * cellMetres / headToNeck, 0.734F, 0.202F, 0.47F},
+        {static_cast<float>(shape.deepGaps), 2.55F, 1.49F, 1.84F},
+    }};
+    float logit = 3.58F;
+    for (const Measure& measure : measures) {
+        logit += measure.weight * (measure.value - measure.mean) / measure.deviation;
+    }
+    constexpr float kClear = 4.0F;
+    return bounded(logit / kClear);
 }
 
 void HandStateFilter::read(float value, float elapsed) {
@@ -107,8 +121,16 @@ void HandReader::readHand(const hal::DepthFrame& frame, const Users& users, cons
         outline.forearm = region.forearm;
         if (region.surface > 0.0F && region.pixelsPerCell >= kCoarsest && outline.isValid()) outline.run();
     }
-    if (outline.shape.valid) {
-        filter.read(openness(outline.shape, region.cellMetres, headToNeck), elapsed);
+    HandReliefJob surface{.depth = frame.depth,
+                          .intrinsics = frame.intrinsics,
+                          .mask = &mask_,
+                          .centre = project(frame.intrinsics, region.palm),
+                          .pixelsPerCell = region.pixelsPerCell,
+                          .surface = region.surface,
+                          .palm = region.palmOnSurface()};
+    if (outline.shape.valid && surface.isValid()) surface.run();
+    if (surface.relief.valid) {
+        filter.read(openness(outline.shape, surface.relief, region.cellMetres, headToNeck), elapsed);
     } else {
         filter.miss(elapsed);
     }

@@ -7,6 +7,7 @@
 #include "fitting/hands.h"
 #include "fitting/skeleton.h"
 #include "fitting/tracking/hand_region.h"
+#include "fitting/tracking/hand_relief.h"
 #include "fitting/tracking/hand_shape.h"
 #include "fitting/tracking/smoothing.h"
 #include "fitting/users.h"
@@ -14,10 +15,10 @@
 
 namespace cheval::fitting::tracking {
 
-/// How open a hand's outline is: below 0 rather closed, above rather open, about ±1 when clear. Three measures vote,
-/// each bounded: the fingers' reach over the distance from head to neck and over the palm's radius, and the hull's
-/// depth.
-float openness(const HandShape& shape, float cellMetres, float headToNeck);
+/// How open a hand is: below 0 rather closed, above rather open, about ±1 when clear. Logistic regression over six
+/// measures of outline and surface in shares of the distance from head to neck; trained on 4500 simulated hands, never
+/// on recorded ones.
+float openness(const HandShape& shape, const HandRelief& relief, float cellMetres, float headToNeck);
 
 /// Openness over time with hysteresis, so that one ragged frame changes nothing. Thread-bound.
 class HandStateFilter {

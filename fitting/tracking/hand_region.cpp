@@ -6,9 +6,6 @@
 namespace cheval::fitting::tracking {
 namespace {
 
-/// A hand's depth about its surface at the palm, millimetres: fingers reach forwards more than back.
-constexpr float kNearer = 110.0F;
-constexpr float kFarther = 70.0F;
 /// From the palm's centre to the wrist, over the distance from head to neck.
 constexpr float kWristFactor = 0.42F;
 
@@ -55,19 +52,22 @@ void HandRegionJob::run() {
     pixelsPerCell = cellMetres * 1e3F * intrinsics.fx / surface;
     const Eigen::Vector3f along = palm - elbow;
     if (along.norm() > 1.0F) forearm = Eigen::Vector2f(along.x(), -along.y()) / along.norm();
-    const float wrist = kWristFactor * headToNeck / cellMetres;
+    const Eigen::Vector3f axis = along.norm() > 1.0F ? Eigen::Vector3f(along / along.norm()) : Eigen::Vector3f::Zero();
+    const float wrist = kWristFactor * headToNeck * 1e3F;
+    const Eigen::Vector3f centreOfPalm = palmOnSurface();
     for (int row = 1; row < kHandGrid - 1; ++row) {
         for (int column = 1; column < kHandGrid - 1; ++column) {
             const Eigen::Vector2f offset(static_cast<float>(column - kHandMiddle),
                                          static_cast<float>(row - kHandMiddle));
-            // Beyond the wrist is arm; where the arm points at the sensor there is no telling, and nothing is cut.
-            if (forearm.norm() > 0.35F && offset.dot(forearm.normalized()) < -wrist) continue;
             const int u = static_cast<int>(std::lround(centre.x() + offset.x() * pixelsPerCell));
             const int v = static_cast<int>(std::lround(centre.y() + offset.y() * pixelsPerCell));
             if (!depth.contains(u, v)) continue;
             if (!userMap.empty() && userMap.at(u, v) != label) continue;
             const auto z = static_cast<float>(depth.at(u, v));
-            (*mask)[handIndex(column, row)] = z > surface - kNearer && z < surface + kFarther ? 1 : 0;
+            if (z <= surface - kNearer || z >= surface + kFarther) continue;
+            // Beyond the wrist is arm, whether it comes from the side or from behind the hand.
+            const Eigen::Vector3f point = unproject(intrinsics, static_cast<float>(u), static_cast<float>(v), z);
+            (*mask)[handIndex(column, row)] = (point - centreOfPalm).dot(axis) > -wrist ? 1 : 0;
         }
     }
     dilate(*mask, *scratch);

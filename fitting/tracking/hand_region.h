@@ -42,7 +42,15 @@ struct HandRegionJob {
     /// The region's side over the distance from head to neck: an open hand with some room.
     static constexpr float kSideFactor = 1.9F;
 
+    /// A hand's depth about its surface at the palm, millimetres: fingers reach forwards more than back.
+    static constexpr float kNearer = 110.0F;
+    static constexpr float kFarther = 70.0F;
+    /// The palm's place on the surface that was found, sensor frame, millimetres; the joint itself lies inside the
+    /// hand.
+    [[nodiscard]] Eigen::Vector3f palmOnSurface() const { return palm * ((surface + kPalmDepth) / palm.z()); }
+
   private:
+    static constexpr float kPalmDepth = 15.0F;
     [[nodiscard]] float findSurface() const;
 };
 
