@@ -16,6 +16,13 @@ constexpr float kStateSpan = 0.10F;
 constexpr float kCoarsest = 0.30F;
 /// A hand before the shoulder by this share of the stature is held out, as one does to point.
 constexpr float kHeldOut = 0.147F;
+/// Where a hand's centre is when it touches something of the shopper's own, in shares of the stature: so near to the
+/// head's centre or the other hand, so little above the hips, before and beside the line from hips to neck.
+constexpr float kAtHead = 0.105F;
+constexpr float kAtOtherHand = 0.085F;
+constexpr float kLap = 0.06F;
+constexpr float kAtChestBefore = 0.125F;
+constexpr float kAtChestAcross = 0.125F;
 
 float bounded(float value) {
     return std::clamp(value, -1.5F, 1.5F);
@@ -65,6 +72,27 @@ void HandStateFilter::miss(float elapsed) {
     if (missing_ >= kPatience) reset();
 }
 
+namespace {
+
+/// Whether a hand is away from everything it may be busy with: the head, the chest, the other hand, the lap.
+bool isFree(const Skeleton& skeleton, Side side, float stature) {
+    const bool left = side == Side::left;
+    const Eigen::Vector3f& hand = skeleton[left ? Joint::leftHand : Joint::rightHand].position;
+    const Eigen::Vector3f& other = skeleton[left ? Joint::rightHand : Joint::leftHand].position;
+    const Eigen::Vector3f hips = 0.5F * (skeleton[Joint::leftHip].position + skeleton[Joint::rightHip].position);
+    const Eigen::Matrix3f axes = skeleton[Joint::torso].orientation.toRotationMatrix();
+    const Eigen::Vector3f fromHips = hand - hips;
+    const float height = fromHips.dot(axes.col(1));
+    const float trunk = (skeleton[Joint::neck].position - hips).norm();
+    if (height < kLap * stature) return false;
+    if ((hand - skeleton[Joint::head].position).norm() < kAtHead * stature) return false;
+    if ((hand - other).norm() < kAtOtherHand * stature) return false;
+    return height > trunk || std::abs(fromHips.dot(axes.col(0))) > kAtChestAcross * stature ||
+           fromHips.dot(axes.col(2)) > kAtChestBefore * stature;
+}
+
+}  // namespace
+
 void HandReader::reset() {
     for (const Side side : {Side::left, Side::right}) {
         states_[index(side)].reset();
@@ -88,8 +116,9 @@ void HandReader::update(const hal::DepthFrame& frame, const Users& users, const 
         readHand(frame, users, skeleton, placement, side, elapsed, hand);
         const Eigen::Vector3f& elbow = skeleton[left ? Joint::leftElbow : Joint::rightElbow].position;
         const Eigen::Vector3f& shoulder = skeleton[left ? Joint::leftShoulder : Joint::rightShoulder].position;
-        hand.raised = hand.position.y() > elbow.y() + 0.01F * stature ||
-                      (hand.position - shoulder).dot(forward) > kHeldOut * stature;
+        const bool up = hand.position.y() > elbow.y() + 0.01F * stature ||
+                        (hand.position - shoulder).dot(forward) > kHeldOut * stature;
+        hand.raised = up && isFree(skeleton, side, stature);
     }
 }
 

@@ -63,6 +63,7 @@ People::People(const Zone& zone)
       componentLabels_(kCloudCells),
       labels_(kCloudCells),
       previousLabels_(kCloudCells),
+      previousDepth_(kCloudCells),
       belief_(kCloudCells),
       scratch_(kCloudCells),
       components_(kMaximumComponents + 1) {}
@@ -71,6 +72,7 @@ void People::reset() {
     background_.reset();
     std::fill(labels_.begin(), labels_.end(), std::uint8_t{0});
     std::fill(previousLabels_.begin(), previousLabels_.end(), std::uint8_t{0});
+    std::fill(previousDepth_.begin(), previousDepth_.end(), 0.0F);
     people_ = {};
     activeId_ = 0;
     started_ = false;
@@ -106,7 +108,7 @@ void People::update(const Cloud& cloud, hal::TimePoint time, bool floorKnown) {
     for (Person& person : people_) {
         person.seen = false;
     }
-    assignComponents();
+    assignComponents(cloud);
     for (std::size_t i = 1; i <= componentCount_; ++i) {
         if (owner_[i] == 0 && looksLikePerson(components_[i], floorKnown)) adopt(i, time);
     }
@@ -114,8 +116,10 @@ void People::update(const Cloud& cloud, hal::TimePoint time, bool floorKnown) {
     labelCells(cloud);
     measurePeople(cloud, time);
 
+    std::copy(cloud.depth.begin(), cloud.depth.end(), previousDepth_.begin());
     judgeCells(cloud);
     background_.learn(cloud, belief_, elapsed);
+    findTheHidden(time);
     forgetTheGone(time);
     chooseActive(time);
 }
@@ -157,13 +161,13 @@ void People::findForeground(const Cloud& cloud, bool floorKnown) {
     }
 }
 
-void People::assignComponents() {
+void People::assignComponents(const Cloud& cloud) {
     owner_.fill(0);
     shared_.fill(false);
     // How many cells of each component lay on each person in the frame before.
     std::array<std::array<int, kMaximumUsers>, kMaximumComponents + 1> overlap{};
     for (std::size_t i = 0; i < kCloudCells; ++i) {
-        if (componentLabels_[i] != 0 && previousLabels_[i] != 0) {
+        if (componentLabels_[i] != 0 && wasSame(cloud, i)) {
             ++overlap[componentLabels_[i]][previousLabels_[i] - 1U];
         }
     }
@@ -255,7 +259,7 @@ void People::labelCells(const Cloud& cloud) {
         if (component != 0 && shared_[component]) {
             // Two people in one surface: each cell goes to whoever was there, else to the nearer of them.
             const std::uint8_t before = previousLabels_[i];
-            if (before != 0 && people_[before - 1U].seen) {
+            if (before != 0 && people_[before - 1U].seen && wasSame(cloud, i)) {
                 label = before;
             } else {
                 float nearest = 1e3F;
@@ -310,6 +314,27 @@ void People::measurePeople(const Cloud& cloud, hal::TimePoint time) {
                            .upper = sum.upper,
                            .pixels = sum.cells * 4,
                            .label = static_cast<std::uint8_t>(k + 1)};
+    }
+}
+
+void People::findTheHidden(hal::TimePoint time) {
+    // Whoever stands before somebody covers the same directions, as the sensor sees it from the glass.
+    const auto covers = [](const Person& front, const Person& back) {
+        if (front.user.upper.z() > back.user.upper.z()) return false;
+        const float left = std::max(front.user.lower.x() / front.centroid.z(), back.user.lower.x() / back.centroid.z());
+        const float right =
+            std::min(front.user.upper.x() / front.centroid.z(), back.user.upper.x() / back.centroid.z());
+        return right - left > 0.4F * (back.user.upper.x() - back.user.lower.x()) / back.centroid.z();
+    };
+    for (Person& person : people_) {
+        if (person.id == 0) continue;
+        const bool before = person.hidden;
+        person.hidden = !person.seen && std::any_of(people_.begin(), people_.end(), [&](const Person& other) {
+            return other.id != 0 && other.seen && other.id != person.id && covers(other, person);
+        });
+        if (!person.hidden) continue;
+        if (!before) person.hiddenSince = time;
+        if (hal::seconds(time - person.hiddenSince) < kHiddenSeconds) person.lastSeen = time;
     }
 }
 

@@ -51,6 +51,8 @@ class People {
 
     /// An active user not seen for this long has left; others may then become active.
     static constexpr double kDwellSeconds = 1.0;
+    /// Somebody before whom another person stands may be there still, for this long.
+    static constexpr double kHiddenSeconds = 5.0;
 
   private:
     struct Person {
@@ -59,14 +61,22 @@ class People {
         Eigen::Vector3f birthplace = Eigen::Vector3f::Zero();
         Eigen::Vector3f restingPlace = Eigen::Vector3f::Zero();  ///< Where the centroid last came to rest.
         hal::TimePoint lastSeen{};
-        hal::TimePoint lastMoved{};  ///< When it last left its resting place.
-        bool walked = false;         ///< Left its birthplace at some time: no shop mannequin.
-        bool seen = false;           ///< In this frame.
+        hal::TimePoint lastMoved{};    ///< When it last left its resting place.
+        bool walked = false;           ///< Left its birthplace at some time: no shop mannequin.
+        bool seen = false;             ///< In this frame.
+        hal::TimePoint hiddenSince{};  ///< When somebody began to stand before them, while unseen.
+        bool hidden = false;
         User user;
     };
 
+    /// A cell that was a person's in the frame before, and shows the same surface still.
+    [[nodiscard]] bool wasSame(const Cloud& cloud, std::size_t cell) const {
+        constexpr float kStep = 0.20F;
+        return previousLabels_[cell] != 0 && std::abs(cloud.depth[cell] - previousDepth_[cell]) < kStep;
+    }
     void findForeground(const Cloud& cloud, bool floorKnown);
-    void assignComponents();
+    void assignComponents(const Cloud& cloud);
+    void findTheHidden(hal::TimePoint time);
     void adopt(std::size_t component, hal::TimePoint time);
     void attachFragments();
     void labelCells(const Cloud& cloud);
@@ -78,6 +88,7 @@ class People {
     Zone zone_;
     Background background_;
     std::vector<std::uint8_t> mask_, componentLabels_, labels_, previousLabels_;
+    std::vector<float> previousDepth_;
     std::vector<Belief> belief_;
     std::vector<std::uint32_t> scratch_;
     std::vector<Component> components_;
