@@ -27,12 +27,12 @@ constexpr double kJointRadius = 3.6;
 constexpr double kBoneWidth = 2.0;
 constexpr double kTextSize = 9.5;
 constexpr double kSmallText = 8.0;
-constexpr double kGestureText = 15.0;
+constexpr double kGestureText = 13.0;
 constexpr double kMargin = 5.0;
 
 constexpr hal::Rgba8 kInk{.r = 235, .g = 235, .b = 230, .a = 255};
 constexpr hal::Rgba8 kFloorColour{.r = 225, .g = 225, .b = 120, .a = 255};
-constexpr hal::Rgba8 kGestureColour{.r = 255, .g = 235, .b = 90, .a = 255};
+constexpr hal::Rgba8 kAheadColour{.r = 255, .g = 235, .b = 90, .a = 255};
 
 enum class Part : std::uint8_t { middle, left, right };
 
@@ -107,8 +107,9 @@ std::string format(const char* pattern, Values... values) {
     return text.data();
 }
 
+/// To a tenth, and never −0.
 double degrees(float radians) {
-    return static_cast<double>(radians) * 180.0 / std::numbers::pi;
+    return std::round(static_cast<double>(radians) * 1800.0 / std::numbers::pi) / 10.0 + 0.0;
 }
 
 }  // namespace
@@ -177,10 +178,16 @@ Expected<hal::ImageView<const hal::Rgba8>> TrackingView::draw(const TrackingPict
     return std::as_const(picture_).view();
 }
 
+hal::ImageView<const std::uint8_t> TrackingView::userMap(const TrackingPicture& picture) const {
+    const auto& map = picture.users->map;
+    return !map.empty() && map.width == depthWidth_ && map.height == depthHeight_
+               ? map
+               : hal::ImageView<const std::uint8_t>{};
+}
+
 void TrackingView::drawPixels(const TrackingPicture& picture) {
     const hal::ImageView<const std::uint8_t> relief = relief_.light(picture.frame->depth, picture.frame->intrinsics);
-    const auto& map = picture.users->map;
-    const bool mapped = !map.empty() && map.width == depthWidth_ && map.height == depthHeight_;
+    const hal::ImageView<const std::uint8_t> map = userMap(picture);
     struct Tint {
         hal::Rgba8 colour;
         int share = 0;  ///< Of 256.
@@ -194,7 +201,7 @@ void TrackingView::drawPixels(const TrackingPicture& picture) {
         if (active) activeLabel = user.label;
     }
     tints[0] = {};
-    const auto labelAt = [&](int x, int y) { return mapped && map.contains(x, y) ? map.at(x, y) : std::uint8_t{0}; };
+    const auto labelAt = [&](int x, int y) { return map.contains(x, y) ? map.at(x, y) : std::uint8_t{0}; };
     for (int y = 0; y < depthHeight_; ++y) {
         for (int x = 0; x < depthWidth_; ++x) {
             const int grey = relief.at(x, y);
@@ -224,7 +231,7 @@ void TrackingView::drawOver(Pen& pen, const TrackingPicture& picture) const {
         drawHand(pen, picture, Side::left);
         drawHand(pen, picture, Side::right);
     }
-    drawGestures(pen, picture);
+    drawGestures(pen);
     drawWords(pen, picture);
 }
 
@@ -281,10 +288,22 @@ void TrackingView::drawFloor(Pen& pen, const TrackingPicture& picture) const {
 }
 
 void TrackingView::drawUsers(Pen& pen, const TrackingPicture& picture) const {
+    constexpr int kAboutTheMiddle = 20;
+    const hal::ImageView<const std::uint8_t> map = userMap(picture);
     for (std::size_t i = 0; i < picture.users->count; ++i) {
         const fitting::User& user = picture.users->users[i];
         Eigen::Vector2f top;
         if (!place(picture, {user.centroid.x(), user.upper.y(), user.centroid.z()}, top)) continue;
+        // The box's top is that of a raised hand; what is wanted is that of the head, above the middle.
+        const int middle = static_cast<int>(std::clamp(top.x(), 0.0F, static_cast<float>(depthWidth_ - 1)));
+        for (int y = 0; y < map.height; ++y) {
+            const std::uint8_t* row = map.row(y);
+            const std::uint8_t* first = row + std::max(0, middle - kAboutTheMiddle);
+            const std::uint8_t* end = row + std::min(map.width, middle + kAboutTheMiddle);
+            if (std::find(first, end, user.label) == end) continue;
+            top.y() = static_cast<float>(y);
+            break;
+        }
         const bool active = user.id == picture.users->activeId;
         label(pen, format(active ? "user %u, active" : "user %u", static_cast<unsigned>(user.id)), kTextSize,
               userColour(user.id), top.x() - 22.0, top.y() - 16.0);
@@ -319,7 +338,7 @@ void TrackingView::drawBones(Pen& pen, const TrackingPicture& picture) const {
         place(picture, torso.position + torso.orientation * Eigen::Vector3f(0.0F, 0.0F, 0.25F), ahead)) {
         cairo_move_to(cairo, at[fitting::index(Joint::torso)].x(), at[fitting::index(Joint::torso)].y());
         cairo_line_to(cairo, ahead.x() + 0.5, ahead.y() + 0.5);
-        stroke(pen, 1.0, kGestureColour, false);
+        stroke(pen, 1.0, kAheadColour, false);
     }
     for (std::size_t i = 0; i < fitting::kJointCount; ++i) {
         if (!placed[i]) continue;
@@ -355,13 +374,15 @@ void TrackingView::drawHand(Pen& pen, const TrackingPicture& picture, Side side)
           at.x() - half, above < 20.0 ? at.y() + half + 4.0 : above);
 }
 
-void TrackingView::drawGestures(Pen& pen, const TrackingPicture& /*picture*/) const {
-    double y = 0.12 * depthHeight_;
+void TrackingView::drawGestures(Pen& pen) const {
+    // Beside the person, on the side of the hand: the right hand of who faces the sensor is at the picture's left.
+    std::array<double, fitting::kSideCount> y{};
+    y.fill(2.0 * kMargin + 14.0);
     for (const GestureEvent& gesture : gestures_) {
-        const std::string text = words(gesture);
-        const double width = pen.measure(text, {.size = kGestureText, .weight = PANGO_WEIGHT_BOLD}, depthWidth_).first;
-        label(pen, text, kGestureText, kGestureColour, (depthWidth_ - width) / 2.0, y);
-        y += 1.7 * kGestureText;
+        const bool left = gesture.hand == Side::left;
+        double& down = y[fitting::index(gesture.hand)];
+        label(pen, words(gesture), kGestureText, left ? kLeftColour : kRightColour, left ? depthWidth_ : kMargin, down);
+        down += 1.8 * kGestureText;
     }
 }
 

@@ -66,13 +66,15 @@ class TrackingView {
 
   private:
     TrackingView(std::unique_ptr<HudLayer> layer, int depthWidth, int depthHeight, int scale);
+    /// Empty where there is none of the right size.
+    [[nodiscard]] hal::ImageView<const std::uint8_t> userMap(const TrackingPicture& picture) const;
     void drawPixels(const TrackingPicture& picture);
     void drawOver(Pen& pen, const TrackingPicture& picture) const;
     void drawFloor(Pen& pen, const TrackingPicture& picture) const;
     void drawUsers(Pen& pen, const TrackingPicture& picture) const;
     void drawBones(Pen& pen, const TrackingPicture& picture) const;
     void drawHand(Pen& pen, const TrackingPicture& picture, fitting::Side side) const;
-    void drawGestures(Pen& pen, const TrackingPicture& picture) const;
+    void drawGestures(Pen& pen) const;
     void drawWords(Pen& pen, const TrackingPicture& picture) const;
     /// A line of text on a dark ground with its left upper corner there, in depth pixels, kept within the picture.
     void label(Pen& pen, const std::string& text, double size, hal::Rgba8 colour, double x, double y) const;

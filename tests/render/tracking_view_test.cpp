@@ -37,8 +37,9 @@ class TrackingViewTest : public testing::Test {
         skeleton_.userId = 1;
         for (std::size_t i = 0; i < fitting::kJointCount; ++i) {
             // Side by side on the person, so that none hides another.
+            const std::size_t row = i / 5;
             skeleton_.joints[i].position = {0.16F - 0.08F * static_cast<float>(i % 5),
-                                            1.35F - 0.3F * static_cast<float>(i / 5), 2.05F};
+                                            1.35F - 0.3F * static_cast<float>(row), 2.05F};
             skeleton_.joints[i].confidence = 0.9F;
         }
     }
@@ -217,6 +218,14 @@ TEST_F(TrackingViewTest, AGestureIsShownForAWhileEvenIfItsOwnFrameIsNotDrawn) {
     later(std::chrono::milliseconds(33));
     frame_.restart = true;
     EXPECT_FALSE(differs(drawn())) << "another still begins";
+}
+
+TEST_F(TrackingViewTest, AMapOfAnotherSizeOrNoneIsNoMap) {
+    const hal::Image<std::uint8_t> small(32, 24, 1);
+    for (const hal::ImageView<const std::uint8_t> map : {small.view(), hal::ImageView<const std::uint8_t>{}}) {
+        users_.map = map;
+        EXPECT_EQ(colourfulness(at(drawn(), 270, 110)), 0);
+    }
 }
 
 TEST_F(TrackingViewTest, PlacesThatAreNowhereAreLeftOut) {
