@@ -22,20 +22,21 @@ void Background::learn(const Cloud& cloud, std::span<const Belief> belief, float
             continue;
         }
         float& known = depth_[i];
+        float& waiting = waiting_[i];
+        const bool farther = depth > known;
         if (known > 0.0F && std::abs(depth - known) < depthTolerance(depth)) {
             known += kFollow * (depth - known);
-            waiting_[i] = 0.0F;
-        } else if (belief[i] == Belief::atOnce || (known <= 0.0F && belief[i] == Belief::whereNew) ||
-                   (known > 0.0F && depth > known)) {
-            known = depth;
-            waiting_[i] = 0.0F;
-        } else {
-            waiting_[i] += elapsed;
-            if (waiting_[i] >= kSettleSeconds) {
-                known = depth;
-                waiting_[i] = 0.0F;
-            }
+            waiting = 0.0F;
+            continue;
         }
+        // Seconds for which the cell has shown something farther, then something nearer, do not add up.
+        if (farther != (waiting < 0.0F)) waiting = 0.0F;
+        waiting += farther ? -elapsed : elapsed;
+        const bool believed = belief[i] == Belief::atOnce || (known <= 0.0F && belief[i] == Belief::whereNew) ||
+                              waiting <= -kLeaveSeconds || waiting >= kSettleSeconds;
+        if (!believed) continue;
+        known = depth;
+        waiting = 0.0F;
     }
     std::fill(blocks_.begin(), blocks_.end(), 0.0F);
     for (std::size_t i = 0; i < kCloudCells; ++i) {

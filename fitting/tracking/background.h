@@ -12,7 +12,7 @@ namespace cheval::fitting::tracking {
 /// How soon a reading becomes part of the shop.
 enum class Belief : std::uint8_t {
     never,     ///< It is a person's.
-    inTime,    ///< When it has stood for kSettleSeconds; at once where it is farther than what was known.
+    inTime,    ///< When it has stood for kSettleSeconds, or for kLeaveSeconds where it is farther than what was known.
     whereNew,  ///< The same, but at once where nothing has been seen before.
     atOnce
 };
@@ -37,6 +37,8 @@ class Background {
 
     /// How long something must stand where it was not before until it is part of the shop.
     static constexpr float kSettleSeconds = 8.0F;
+    /// How long something must have been gone. Edges and cloth with holes show what is behind them now and then.
+    static constexpr float kLeaveSeconds = 0.5F;
 
   private:
     static constexpr int kBlock = 8;  ///< Cells.
@@ -48,7 +50,7 @@ class Background {
 
     std::vector<float> depth_;    ///< Metres; 0: not known.
     std::vector<float> blocks_;   ///< The nearest that is known in each block of cells; 0: nothing.
-    std::vector<float> waiting_;  ///< Seconds for which the cell has shown something nearer.
+    std::vector<float> waiting_;  ///< Seconds for which the cell has shown something nearer; negative: farther.
 };
 
 }  // namespace cheval::fitting::tracking

@@ -45,7 +45,7 @@ bool looksLikeScenery(const Component& component) {
     if (component.area > 2.0F || size.x() > 2.4F) return true;
     if (component.touchesLeft && component.touchesRight) return true;
     // Pieces of wall are flat to the sensor's noise; bodies are not.
-    const float noise = 0.012F + 0.0022F * component.centroid.z() * component.centroid.z();
+    const float noise = 0.004F + 0.0019F * component.centroid.z() * component.centroid.z();
     if (component.area > 0.15F && component.roughness < noise) return true;
     // People are slender, or they spread thin arms: what is wide and fills its rectangle is a piece of wall or
     // furniture.
@@ -199,7 +199,8 @@ void People::adopt(std::size_t component, hal::TimePoint time) {
     Person* place = nullptr;
     float nearest = 0.8F;
     for (Person& person : people_) {
-        const float away = (person.centroid - centroid).norm();
+        // Of somebody whom others hid, the last that was seen may have been an arm.
+        const float away = (person.centroid - centroid).norm() - (person.hidden ? 0.5F : 0.0F);
         if (person.id != 0 && !person.seen && away < nearest) {
             nearest = away;
             place = &person;

@@ -60,10 +60,19 @@ TEST_F(BackgroundTest, ACellThatHasShownNothingIsLikeTheNearestOfItsNeighbours) 
     EXPECT_TRUE(inFront(cell_, 3.0F));
 }
 
-TEST_F(BackgroundTest, WhatHasLeftIsForgottenAtOnce) {
+TEST_F(BackgroundTest, WhatHasLeftIsForgottenSoon) {
     see(2.0F);
-    see(4.0F);
+    see(4.0F, static_cast<int>(Background::kLeaveSeconds / kFrame) + 2);
     EXPECT_TRUE(inFront(cell_, 2.0F));
+}
+
+TEST_F(BackgroundTest, WhatShowsTheWallBehindItNowAndThenStays) {
+    see(3.6F);
+    for (int i = 0; i < 100; ++i) {
+        see(3.9F, 3);
+        see(3.6F);
+    }
+    EXPECT_FALSE(inFront(cell_, 3.6F));
 }
 
 TEST_F(BackgroundTest, WhatIsPutDownIsBelievedWhenItHasStoodForLong) {
