@@ -10,11 +10,13 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "config/loader.h"
 #include "config/settings_table.h"
 #include "daemon/control_commands.h"
 #include "daemon/guarded_main.h"
+#include "daemon/hands_run.h"
 #include "daemon/log.h"
 #include "daemon/record_run.h"
 #include "daemon/replay_run.h"
@@ -144,6 +146,29 @@ int replay(const config::LoadOptions& where, ReplayArguments& arguments) {
     return kGood;
 }
 
+int hands(const std::string& folder, bool json) {
+    const Expected<daemon::HandsReport> report = daemon::readHands(folder);
+    if (!report) {
+        daemon::log(Severity::error, report.error().message());
+        return kFailed;
+    }
+    for (const std::string& warning : report->warnings)
+        daemon::log(Severity::warning, warning);
+    for (const daemon::HandReading& reading : report->readings) {
+        const std::string_view state = fitting::nameOf(reading.state);
+        if (json) {
+            fmt::print("{}\n", nlohmann::json{{"picture", reading.name},
+                                              {"state", state},
+                                              {"confidence", reading.confidence},
+                                              {"fingers", reading.fingers}}
+                                   .dump());
+        } else {
+            fmt::print("{} {} {:.2f}\n", reading.name, state, reading.confidence);
+        }
+    }
+    return kGood;
+}
+
 int record(const config::LoadOptions& where, daemon::RecordOptions& options) {
     const config::LoadedSettings loaded = config::loadSettings(where);
     printProblems(loaded);
@@ -209,6 +234,12 @@ int run(int argc, char** argv) {
         ->capture_default_str();
     replayCommand->add_option("--size", arguments.size,
                               "Size of the pictures, e.g. 540x960 (default: display.width x display.height)");
+    std::string handsFolder;
+    bool handsJson = false;
+    auto* handsCommand =
+        app.add_subcommand("hands", "Read pictures of one hand: open, closed or unknown")->fallthrough();
+    handsCommand->add_option("folder", handsFolder, "A folder of 16-bit depth PNGs with a sensor.json")->required();
+    handsCommand->add_flag("--json", handsJson, "One JSON object a picture, with the fingers that are stretched");
     daemon::RecordOptions recordOptions;
     auto* recordCommand =
         app.add_subcommand("record", "Record what the sensor sees, for replay (needs privacy.recording)")
@@ -234,6 +265,7 @@ int run(int argc, char** argv) {
     if (show->parsed()) return showConfig(options, defaults);
     if (check->parsed()) return checkConfig(options);
     if (recordCommand->parsed()) return record(options, recordOptions);
+    if (handsCommand->parsed()) return hands(handsFolder, handsJson);
     return replay(options, arguments);
 }
 

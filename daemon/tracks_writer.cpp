@@ -13,18 +13,6 @@ namespace cheval::daemon {
 
 namespace {
 
-std::string_view name(fitting::HandState state) {
-    switch (state) {
-        case fitting::HandState::open:
-            return "open";
-        case fitting::HandState::closed:
-            return "closed";
-        case fitting::HandState::unknown:
-            break;
-    }
-    return "unknown";
-}
-
 std::string_view name(fitting::Side side) {
     return side == fitting::Side::left ? "left" : "right";
 }
@@ -83,7 +71,7 @@ Expected<void> TracksWriter::writeFrame(const hal::DepthFrame& frame, const fitt
         first = false;
     }
     fmt::format_to(std::back_inserter(line), R"(}}, "hands": {{"left": "{}", "right": "{}"}}}})",
-                   name(hands[fitting::Side::left].state), name(hands[fitting::Side::right].state));
+                   nameOf(hands[fitting::Side::left].state), nameOf(hands[fitting::Side::right].state));
     return writeLine(line);
 }
 

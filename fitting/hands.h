@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 
 #include <Eigen/Core>
 
@@ -13,6 +14,19 @@
 namespace cheval::fitting {
 
 enum class HandState : std::uint8_t { unknown, open, closed };
+
+/// As tracks files and people name it.
+constexpr std::string_view nameOf(HandState state) {
+    switch (state) {
+        case HandState::open:
+            return "open";
+        case HandState::closed:
+            return "closed";
+        case HandState::unknown:
+            break;
+    }
+    return "unknown";
+}
 
 /// One hand. Mirror frame, metres and seconds.
 struct Hand {

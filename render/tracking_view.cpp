@@ -73,18 +73,6 @@ void stroke(Pen& pen, double width, hal::Rgba8 colour, bool dashed) {
     cairo_set_dash(cairo, nullptr, 0, 0.0);
 }
 
-std::string_view words(HandState state) {
-    switch (state) {
-        case HandState::open:
-            return "open";
-        case HandState::closed:
-            return "closed";
-        case HandState::unknown:
-            break;
-    }
-    return "unknown";
-}
-
 std::string words(const GestureEvent& gesture) {
     std::string hand = gesture.hand == Side::left ? "left hand" : "right hand";
     switch (gesture.kind) {
@@ -367,7 +355,7 @@ void TrackingView::drawHand(Pen& pen, const TrackingPicture& picture, Side side)
     cairo_rectangle(pen.cairo(), at.x() + 0.5 - half, at.y() + 0.5 - half, 2.0 * half, 2.0 * half);
     const hal::Rgba8 colour = side == Side::left ? kLeftColour : kRightColour;
     stroke(pen, hand.raised ? 1.8 : 1.0, colour, joint.confidence < kSeen);
-    const std::string state(words(hand.state));
+    const std::string state(fitting::nameOf(hand.state));
     // Above the square, or below it where the status line is.
     const double above = at.y() - half - 15.0;
     label(pen, hand.state == HandState::unknown ? state : state + format(" %.2f", hand.confidence), kTextSize, colour,

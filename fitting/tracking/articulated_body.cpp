@@ -31,69 +31,69 @@ std::size_t place(BodyPart part) {
 
 }  // namespace
 
-Dimensions usualDimensions(float stature) {
-    Dimensions size{};
-    const auto set = [&](Dimension dimension, float metres) { size[index(dimension)] = metres; };
-    set(Dimension::headDrop, 0.185F + 0.0425F * stature);
-    set(Dimension::trunk, 0.328F * stature);
-    set(Dimension::shoulderHalfBreadth, 0.102F * stature);
-    set(Dimension::hipHalfBreadth, 0.061F * stature);
-    set(Dimension::upperArm, 0.147F * stature);
-    set(Dimension::forearm, 0.174F * stature);
-    set(Dimension::thigh, 0.238F * stature);
-    set(Dimension::shank, 0.248F * stature);
-    set(Dimension::trunkDepth, 0.084F * stature);
-    set(Dimension::trunkHalfWidth, 0.096F * stature);
-    set(Dimension::hipSetback, 0.044F * stature);
+BodyLengths usualLengths(float stature) {
+    BodyLengths size{};
+    const auto set = [&](BodyLength which, float metres) { size[index(which)] = metres; };
+    set(BodyLength::headDrop, 0.185F + 0.0425F * stature);
+    set(BodyLength::trunk, 0.328F * stature);
+    set(BodyLength::shoulderHalfBreadth, 0.102F * stature);
+    set(BodyLength::hipHalfBreadth, 0.061F * stature);
+    set(BodyLength::upperArm, 0.147F * stature);
+    set(BodyLength::forearm, 0.174F * stature);
+    set(BodyLength::thigh, 0.238F * stature);
+    set(BodyLength::shank, 0.248F * stature);
+    set(BodyLength::trunkDepth, 0.084F * stature);
+    set(BodyLength::trunkHalfWidth, 0.096F * stature);
+    set(BodyLength::hipSetback, 0.044F * stature);
     return size;
 }
 
-Dimensions dimensionSpread(float stature, bool statureKnown) {
+BodyLengths lengthSpread(float stature, bool statureKnown) {
     constexpr float kGuessed = 2.5F;
-    Dimensions spread{};
-    const auto set = [&](Dimension dimension, float share) {
-        spread[index(dimension)] = share * stature * (statureKnown ? 1.0F : kGuessed);
+    BodyLengths spread{};
+    const auto set = [&](BodyLength which, float share) {
+        spread[index(which)] = share * stature * (statureKnown ? 1.0F : kGuessed);
     };
-    set(Dimension::headDrop, 0.006F);
-    set(Dimension::trunk, 0.008F);
-    set(Dimension::shoulderHalfBreadth, 0.005F);
-    set(Dimension::hipHalfBreadth, 0.003F);
-    set(Dimension::upperArm, 0.006F);
-    set(Dimension::forearm, 0.011F);
-    set(Dimension::thigh, 0.008F);
-    set(Dimension::shank, 0.010F);
-    set(Dimension::trunkDepth, 0.010F);
-    set(Dimension::trunkHalfWidth, 0.015F);
-    set(Dimension::hipSetback, 0.010F);
+    set(BodyLength::headDrop, 0.006F);
+    set(BodyLength::trunk, 0.008F);
+    set(BodyLength::shoulderHalfBreadth, 0.005F);
+    set(BodyLength::hipHalfBreadth, 0.003F);
+    set(BodyLength::upperArm, 0.006F);
+    set(BodyLength::forearm, 0.011F);
+    set(BodyLength::thigh, 0.008F);
+    set(BodyLength::shank, 0.010F);
+    set(BodyLength::trunkDepth, 0.010F);
+    set(BodyLength::trunkHalfWidth, 0.015F);
+    set(BodyLength::hipSetback, 0.010F);
     return spread;
 }
 
 Eigen::Vector3f ArticulatedPose::head() const {
-    return neck() + (1.0F - kHeadCentre) * length(Dimension::headDrop) * headDirection;
+    return neck() + (1.0F - kHeadCentre) * length(BodyLength::headDrop) * headDirection;
 }
 
 Eigen::Vector3f ArticulatedPose::shoulder(Side side) const {
-    return neck() - kShoulderDrop * length(Dimension::trunk) * up() +
-           outwards(side) * length(Dimension::shoulderHalfBreadth) * left();
+    return neck() - kShoulderDrop * length(BodyLength::trunk) * up() +
+           outwards(side) * length(BodyLength::shoulderHalfBreadth) * left();
 }
 
 Eigen::Vector3f ArticulatedPose::hip(Side side) const {
-    return hipMiddle() + outwards(side) * length(Dimension::hipHalfBreadth) * left();
+    return hipMiddle() + outwards(side) * length(BodyLength::hipHalfBreadth) * left();
 }
 
 BodySurface::BodySurface(const ArticulatedPose& pose)
-    : middle_(pose.middle + 0.5F * pose.length(Dimension::hipSetback) * pose.forward()),
+    : middle_(pose.middle + 0.5F * pose.length(BodyLength::hipSetback) * pose.forward()),
       left_(pose.left()),
-      up_((pose.length(Dimension::trunk) * pose.up() - pose.length(Dimension::hipSetback) * pose.forward())
+      up_((pose.length(BodyLength::trunk) * pose.up() - pose.length(BodyLength::hipSetback) * pose.forward())
               .normalized()),
-      halfTrunk_(0.5F * pose.length(Dimension::trunk)),
-      slab_(std::max(0.01F, pose.length(Dimension::trunkHalfWidth) - pose.length(Dimension::trunkDepth))),
-      trunkRadius_(pose.length(Dimension::trunkDepth)) {
-    const float scale = pose.length(Dimension::trunk);
+      halfTrunk_(0.5F * pose.length(BodyLength::trunk)),
+      slab_(std::max(0.01F, pose.length(BodyLength::trunkHalfWidth) - pose.length(BodyLength::trunkDepth))),
+      trunkRadius_(pose.length(BodyLength::trunkDepth)) {
+    const float scale = pose.length(BodyLength::trunk);
     bones_ = {};
     bones_.x.fill(1e3F);
     setBone(BodyPart::neck, pose.neck(), pose.head(), kNeckRadius * scale, kNeckRadius * scale);
-    const float half = kHeadHalfHeight * pose.length(Dimension::headDrop);
+    const float half = kHeadHalfHeight * pose.length(BodyLength::headDrop);
     const Eigen::Vector3f head = pose.head();
     setBone(BodyPart::head, head - half * pose.headDirection, head + half * pose.headDirection, kHeadRadius * scale,
             kHeadRadius * scale);

@@ -12,7 +12,7 @@
 namespace cheval::fitting::tracking {
 
 /// What differs from person to person, metres.
-enum class Dimension : std::uint8_t {
+enum class BodyLength : std::uint8_t {
     headDrop,             ///< From the crown down to the neck's base.
     trunk,                ///< From the neck's base to the middle of the hips.
     shoulderHalfBreadth,  ///< Between the shoulder joints, half of it.
@@ -25,19 +25,19 @@ enum class Dimension : std::uint8_t {
     trunkHalfWidth,  ///< From the trunk's middle line to its side.
     hipSetback       ///< How far behind the trunk's middle plane the hip joints lie: a belly, or a hollow back.
 };
-inline constexpr std::size_t kDimensionCount = 11;
-constexpr std::size_t index(Dimension dimension) {
-    return static_cast<std::size_t>(dimension);
+inline constexpr std::size_t kBodyLengthCount = 11;
+constexpr std::size_t index(BodyLength which) {
+    return static_cast<std::size_t>(which);
 }
-using Dimensions = std::array<float, kDimensionCount>;
+using BodyLengths = std::array<float, kBodyLengthCount>;
 
 /// What is usual for a stature (metres, hair and shoes included, as the sensor sees it). Heads differ little between
 /// adults, so what lies below is a share of the rest. Segment lengths: Drillis and Contini (Winter, Biomechanics and
 /// Motor Control of Human Movement, 4th ed., figure 4.1), with joint centres in place of landmarks.
-Dimensions usualDimensions(float stature);
+BodyLengths usualLengths(float stature);
 /// How far people of one stature differ from the usual, one standard deviation, metres; of a stature that is only
 /// guessed, further.
-Dimensions dimensionSpread(float stature, bool statureKnown);
+BodyLengths lengthSpread(float stature, bool statureKnown);
 
 /// Both bones of a limb as unit vectors, mirror frame: from the trunk to elbow or knee, and on to palm or ankle.
 struct LimbDirections {
@@ -50,28 +50,28 @@ struct ArticulatedPose {
     Eigen::Matrix3f axes = Eigen::Matrix3f::Identity();  ///< Columns: the person's left, up, forward; orthonormal.
     Eigen::Vector3f headDirection = Eigen::Vector3f::UnitY();  ///< Unit; from the neck's base to the head's centre.
     std::array<LimbDirections, kSideCount> arms, legs;
-    Dimensions size{};
+    BodyLengths size{};
 
-    [[nodiscard]] float length(Dimension dimension) const { return size[index(dimension)]; }
+    [[nodiscard]] float length(BodyLength which) const { return size[index(which)]; }
     [[nodiscard]] Eigen::Vector3f left() const { return axes.col(0); }
     [[nodiscard]] Eigen::Vector3f up() const { return axes.col(1); }
     [[nodiscard]] Eigen::Vector3f forward() const { return axes.col(2); }
-    [[nodiscard]] Eigen::Vector3f neck() const { return middle + 0.5F * length(Dimension::trunk) * up(); }
-    [[nodiscard]] Eigen::Vector3f hipMiddle() const { return middle - 0.5F * length(Dimension::trunk) * up(); }
+    [[nodiscard]] Eigen::Vector3f neck() const { return middle + 0.5F * length(BodyLength::trunk) * up(); }
+    [[nodiscard]] Eigen::Vector3f hipMiddle() const { return middle - 0.5F * length(BodyLength::trunk) * up(); }
     [[nodiscard]] Eigen::Vector3f head() const;
     [[nodiscard]] Eigen::Vector3f shoulder(Side side) const;
     [[nodiscard]] Eigen::Vector3f hip(Side side) const;
     [[nodiscard]] Eigen::Vector3f elbow(Side side) const {
-        return shoulder(side) + length(Dimension::upperArm) * arms[fitting::index(side)].upper;
+        return shoulder(side) + length(BodyLength::upperArm) * arms[fitting::index(side)].upper;
     }
     [[nodiscard]] Eigen::Vector3f hand(Side side) const {
-        return elbow(side) + length(Dimension::forearm) * arms[fitting::index(side)].lower;
+        return elbow(side) + length(BodyLength::forearm) * arms[fitting::index(side)].lower;
     }
     [[nodiscard]] Eigen::Vector3f knee(Side side) const {
-        return hip(side) + length(Dimension::thigh) * legs[fitting::index(side)].upper;
+        return hip(side) + length(BodyLength::thigh) * legs[fitting::index(side)].upper;
     }
     [[nodiscard]] Eigen::Vector3f foot(Side side) const {
-        return knee(side) + length(Dimension::shank) * legs[fitting::index(side)].lower;
+        return knee(side) + length(BodyLength::shank) * legs[fitting::index(side)].lower;
     }
 };
 

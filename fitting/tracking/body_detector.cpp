@@ -133,7 +133,7 @@ void BodyDetector::fitLimbs(const View& view, const LimbModel& model,
 }
 
 ArticulatedPose BodyDetector::detect(const Cloud& cloud, const Silhouette& silhouette, const TorsoPose& torso,
-                                     const Dimensions& size, const ArticulatedPose* before) {
+                                     const BodyLengths& size, const ArticulatedPose* before) {
     const View view{cloud, silhouette, torso};
     Limbs armsBefore{};
     Limbs legsBefore{};
@@ -152,7 +152,7 @@ ArticulatedPose BodyDetector::detect(const Cloud& cloud, const Silhouette& silho
     ArticulatedPose pose;
     pose.size = size;
     pose.axes << torso.left, torso.up, torso.forward;
-    pose.middle = torso.neck - 0.5F * size[index(Dimension::trunk)] * torso.up;
+    pose.middle = torso.neck - 0.5F * size[index(BodyLength::trunk)] * torso.up;
     pose.headDirection = (torso.head - torso.neck).normalized();
     for (const Side side : {Side::left, Side::right}) {
         const std::size_t k = index(side);

@@ -24,7 +24,7 @@ class BodyDetector {
     /// The detected pose with the person's `size`. `before` is the pose of the frame before, one of the search's
     /// starts, or null.
     ArticulatedPose detect(const Cloud& cloud, const Silhouette& silhouette, const TorsoPose& torso,
-                           const Dimensions& size, const ArticulatedPose* before);
+                           const BodyLengths& size, const ArticulatedPose* before);
 
   private:
     static constexpr std::size_t kMostPoints = 180;

@@ -16,8 +16,8 @@ constexpr int kMove = 0;    ///< Three: the trunk's middle.
 constexpr int kTurn = 3;    ///< Three: rotation vector of the trunk, mirror frame.
 constexpr int kHead = 6;    ///< Two: the head's direction in its tangent plane.
 constexpr int kLimbs = 8;   ///< Four a limb: upper bone, lower bone; left arm, right arm, left leg, right leg.
-constexpr int kSizes = 24;  ///< The dimensions.
-constexpr int kUnknowns = kSizes + static_cast<int>(kDimensionCount);
+constexpr int kSizes = 24;  ///< The lengths.
+constexpr int kUnknowns = kSizes + static_cast<int>(kBodyLengthCount);
 
 using Matrix = Eigen::Matrix<float, kUnknowns, kUnknowns>;
 using Vector = Eigen::Matrix<float, kUnknowns, 1>;
@@ -27,6 +27,8 @@ constexpr float kIndependentPoints = 140.0F;
 constexpr float kSurfaceSpread = 0.014F;  ///< Metres, one standard deviation.
 constexpr float kRobust = 0.055F;         ///< Beyond this a point counts ever less.
 constexpr float kBoneSpread = 0.020F;
+/// Exchanged legs explain the same points: only this tells them from the right ones.
+constexpr float kCrossedCost = 2.0F;
 constexpr float kSettled = 0.004F;
 constexpr float kHopeless = 1.6F;
 /// Of the ankle's joint above the floor, in shares of the leg's two bones.
@@ -101,14 +103,14 @@ struct Linear {
     }
     void neckPoint(Row& row, const Eigen::Vector3f& n) const {
         trunkPoint(row, pose.neck(), n);
-        row.add(kSizes + static_cast<int>(index(Dimension::trunk)), 0.5F * n.dot(pose.up()));
+        row.add(kSizes + static_cast<int>(index(BodyLength::trunk)), 0.5F * n.dot(pose.up()));
     }
     /// The joint from which a limb hangs.
     void rootPoint(Row& row, bool leg, Side side, const Eigen::Vector3f& n) const {
         trunkPoint(row, leg ? pose.hip(side) : pose.shoulder(side), n);
-        row.add(kSizes + static_cast<int>(index(Dimension::trunk)),
+        row.add(kSizes + static_cast<int>(index(BodyLength::trunk)),
                 (leg ? -0.5F : 0.5F - kShoulderDrop) * n.dot(pose.up()));
-        row.add(kSizes + static_cast<int>(index(leg ? Dimension::hipHalfBreadth : Dimension::shoulderHalfBreadth)),
+        row.add(kSizes + static_cast<int>(index(leg ? BodyLength::hipHalfBreadth : BodyLength::shoulderHalfBreadth)),
                 outwards(side) * n.dot(pose.left()));
     }
     /// A point of a limb: `upper` and `lower` metres along its two bones, the shares of the bones' own lengths in them.
@@ -120,12 +122,12 @@ struct Linear {
         const int unknown = limbUnknown(leg, side);
         row.add(unknown, upper * n.dot(tangent[0].first));
         row.add(unknown + 1, upper * n.dot(tangent[0].second));
-        row.add(kSizes + static_cast<int>(index(leg ? Dimension::thigh : Dimension::upperArm)),
+        row.add(kSizes + static_cast<int>(index(leg ? BodyLength::thigh : BodyLength::upperArm)),
                 upperShare * n.dot(limb.upper));
         if (lower == 0.0F) return;
         row.add(unknown + 2, lower * n.dot(tangent[1].first));
         row.add(unknown + 3, lower * n.dot(tangent[1].second));
-        row.add(kSizes + static_cast<int>(index(leg ? Dimension::shank : Dimension::forearm)),
+        row.add(kSizes + static_cast<int>(index(leg ? BodyLength::shank : BodyLength::forearm)),
                 lowerShare * n.dot(limb.lower));
     }
     /// The place of the body that a depth point belongs to.
@@ -136,12 +138,12 @@ void Linear::partPoint(Row& row, const BodySurface::Place& at, const Eigen::Vect
     const BodyPart part = at.part;
     if (part == BodyPart::trunk) {
         trunkPoint(row, at.point, n);
-        row.add(kSizes + static_cast<int>(index(Dimension::trunk)), at.along * n.dot(pose.up()));
-        row.add(kSizes + static_cast<int>(index(Dimension::hipSetback)), (0.5F - at.along) * n.dot(pose.forward()));
+        row.add(kSizes + static_cast<int>(index(BodyLength::trunk)), at.along * n.dot(pose.up()));
+        row.add(kSizes + static_cast<int>(index(BodyLength::hipSetback)), (0.5F - at.along) * n.dot(pose.forward()));
         const float sideways = at.across * n.dot(pose.left());
-        row.add(kSizes + static_cast<int>(index(Dimension::trunkHalfWidth)), sideways);
+        row.add(kSizes + static_cast<int>(index(BodyLength::trunkHalfWidth)), sideways);
         // The slab is as wide as the depth leaves it.
-        row.add(kSizes + static_cast<int>(index(Dimension::trunkDepth)), -sideways);
+        row.add(kSizes + static_cast<int>(index(BodyLength::trunkDepth)), -sideways);
         return;
     }
     if (part == BodyPart::head || part == BodyPart::neck) {
@@ -155,8 +157,8 @@ void Linear::partPoint(Row& row, const BodySurface::Place& at, const Eigen::Vect
     const Side side = number % 2 == 0 ? Side::left : Side::right;
     const int kind = number / 2;  // 0 upper arm, 1 thigh, 2 forearm, 3 shank, 4 at.
     const bool leg = kind % 2 == 1 || kind == 4;
-    const float upperLength = pose.length(leg ? Dimension::thigh : Dimension::upperArm);
-    const float lowerLength = pose.length(leg ? Dimension::shank : Dimension::forearm);
+    const float upperLength = pose.length(leg ? BodyLength::thigh : BodyLength::upperArm);
+    const float lowerLength = pose.length(leg ? BodyLength::shank : BodyLength::forearm);
     if (kind < 2) {
         limbPoint(row, leg, side, at.along * upperLength, 0.0F, at.along, 0.0F, n);
     } else if (kind == 4) {
@@ -192,7 +194,7 @@ void addPoints(const BodyFitJob& job, const Linear& linear, const BodySurface& s
         if (std::abs(residual) < 0.04F) support[static_cast<std::size_t>(nearest.part)] += 1.0F;
         Row row;
         linear.partPoint(row, nearest, -normal);
-        if (nearest.part == BodyPart::trunk) row.add(kSizes + static_cast<int>(index(Dimension::trunkDepth)), -1.0F);
+        if (nearest.part == BodyPart::trunk) row.add(kSizes + static_cast<int>(index(BodyLength::trunkDepth)), -1.0F);
         for (int k = 0; k < row.count; ++k) {
             row.entries[static_cast<std::size_t>(k)].second /= kSurfaceSpread;
         }
@@ -205,8 +207,8 @@ void addBonePlace(const BodyFitJob& job, const Linear& linear, bool leg, Side si
                   float radius, System& system) {
     const ArticulatedPose& pose = linear.pose;
     const LimbDirections& limb = (leg ? pose.legs : pose.arms)[fitting::index(side)];
-    const float upperLength = pose.length(leg ? Dimension::thigh : Dimension::upperArm);
-    const float lowerLength = pose.length(leg ? Dimension::shank : Dimension::forearm);
+    const float upperLength = pose.length(leg ? BodyLength::thigh : BodyLength::upperArm);
+    const float lowerLength = pose.length(leg ? BodyLength::shank : BodyLength::forearm);
     const Eigen::Vector3f root = leg ? pose.hip(side) : pose.shoulder(side);
     const Eigen::Vector3f at = lower
                                    ? Eigen::Vector3f(root + upperLength * limb.upper + share * lowerLength * limb.lower)
@@ -247,7 +249,7 @@ void addBonePlace(const BodyFitJob& job, const Linear& linear, bool leg, Side si
 }
 
 void addBones(const BodyFitJob& job, const Linear& linear, System& system) {
-    const float scale = linear.pose.length(Dimension::trunk);
+    const float scale = linear.pose.length(BodyLength::trunk);
     for (const Side side : {Side::left, Side::right}) {
         for (const bool leg : {false, true}) {
             const float radius = (leg ? 0.11F : 0.07F) * scale;
@@ -285,14 +287,14 @@ void pushOff(System& system, int unknown, const Tangent& tangent, const Eigen::V
 void addStanding(const Linear& linear, System& system) {
     const ArticulatedPose& pose = linear.pose;
     constexpr float kSpread = 0.02F;
-    const float ankle = kAnkleHeight * (pose.length(Dimension::thigh) + pose.length(Dimension::shank));
+    const float ankle = kAnkleHeight * (pose.length(BodyLength::thigh) + pose.length(BodyLength::shank));
     const bool leftIsLower = pose.foot(Side::left).y() < pose.foot(Side::right).y();
     for (const Side side : {Side::left, Side::right}) {
         const float above = pose.foot(side).y() - ankle;
         if (above > 0.0F && (side == Side::left) != leftIsLower) continue;
         const float robust = 1.0F / (1.0F + above * above / (0.10F * 0.10F));
         Row row;
-        linear.limbPoint(row, true, side, pose.length(Dimension::thigh), pose.length(Dimension::shank), 1.0F, 1.0F,
+        linear.limbPoint(row, true, side, pose.length(BodyLength::thigh), pose.length(BodyLength::shank), 1.0F, 1.0F,
                          Eigen::Vector3f(0.0F, 1.0F / kSpread, 0.0F));
         system.add(row, above / kSpread, robust * robust);
         system.cost += above * above * robust / (kSpread * kSpread);
@@ -321,14 +323,14 @@ void addBody(const BodyFitJob& job, const Linear& linear, System& system) {
     if (job.headSeen) {
         constexpr float kSpread = 0.018F;
         const Eigen::Vector3f off = pose.head() - job.head;
-        const float reach = (1.0F - kHeadCentre) * pose.length(Dimension::headDrop);
+        const float reach = (1.0F - kHeadCentre) * pose.length(BodyLength::headDrop);
         for (int axis = 0; axis < 3; ++axis) {
             const Eigen::Vector3f n = Eigen::Vector3f::Unit(axis) / kSpread;
             Row row;
             linear.neckPoint(row, n);
             row.add(kHead, reach * n.dot(linear.headTangent.first));
             row.add(kHead + 1, reach * n.dot(linear.headTangent.second));
-            row.add(kSizes + static_cast<int>(index(Dimension::headDrop)),
+            row.add(kSizes + static_cast<int>(index(BodyLength::headDrop)),
                     (1.0F - kHeadCentre) * n.dot(pose.headDirection));
             system.add(row, off[axis] / kSpread, 1.0F);
         }
@@ -359,6 +361,21 @@ void addBody(const BodyFitJob& job, const Linear& linear, System& system) {
                       down + 0.05F * out * pose.left() + 0.03F * pose.forward(), 0.30F);
         // A shank slants backwards from the knee: the ankle lies behind the leg's axis.
         drawDirection(system, legUnknown + 2, legTangent[1], leg.lower, leg.upper - 0.27F * pose.forward(), 0.25F);
+        // Each foot keeps to its own side of the body, or legs that pass each other would exchange their names.
+        constexpr float kCrossed = 0.05F;
+        const float acrossMiddle = 0.01F - out * (pose.foot(side) - pose.hipMiddle()).dot(pose.left());
+        if (acrossMiddle > 0.0F) {
+            const Eigen::Vector3f inwards = -out * pose.left() / kCrossed;
+            const float thigh = pose.length(BodyLength::thigh);
+            const float shank = pose.length(BodyLength::shank);
+            Row row;
+            row.add(legUnknown, thigh * inwards.dot(legTangent[0].first));
+            row.add(legUnknown + 1, thigh * inwards.dot(legTangent[0].second));
+            row.add(legUnknown + 2, shank * inwards.dot(legTangent[1].first));
+            row.add(legUnknown + 3, shank * inwards.dot(legTangent[1].second));
+            system.add(row, acrossMiddle / kCrossed, 1.0F);
+            system.cost += kCrossedCost * acrossMiddle * acrossMiddle / (kCrossed * kCrossed);
+        }
         const Eigen::Vector3f bent = leg.lower - leg.upper.dot(leg.lower) * leg.upper;
         pushOff(system, legUnknown + 2, legTangent[1], pose.forward(), bent.dot(pose.forward()), 0.05F);
     }
@@ -366,7 +383,7 @@ void addBody(const BodyFitJob& job, const Linear& linear, System& system) {
 }
 
 void addSizes(const BodyFitJob& job, const ArticulatedPose& pose, System& system) {
-    for (std::size_t k = 0; k < kDimensionCount; ++k) {
+    for (std::size_t k = 0; k < kBodyLengthCount; ++k) {
         const float off = pose.size[k] - job.usual[k];
         system.hold(kSizes + static_cast<int>(k), off, job.spread[k]);
         system.cost += off * off / (job.spread[k] * job.spread[k]);
@@ -422,7 +439,7 @@ ArticulatedPose stepped(const Linear& linear, const Vector& step, const BodyFitJ
             turn(limb.lower, tangent[1], step[unknown + 2], step[unknown + 3]);
         }
     }
-    for (std::size_t k = 0; k < kDimensionCount; ++k) {
+    for (std::size_t k = 0; k < kBodyLengthCount; ++k) {
         const float most = 2.5F * job.spread[k];
         pose.size[k] =
             std::clamp(pose.size[k] + step[kSizes + static_cast<int>(k)], job.usual[k] - most, job.usual[k] + most);

@@ -26,9 +26,9 @@ struct BodyFitJob {
     bool floorKnown = true;
     ArticulatedPose start;
     const ArticulatedPose* previous = nullptr;  ///< Of the frame before, or null.
-    Dimensions usual{};                         ///< What is usual for the stature,
-    Dimensions spread{};                        ///< … and how far people are from it: one standard deviation each.
-    const Dimensions* learnt = nullptr;         ///< The person's own as found in the frames before, or null.
+    BodyLengths usual{};                        ///< What is usual for the stature,
+    BodyLengths spread{};                       ///< … and how far people are from it: one standard deviation each.
+    const BodyLengths* learnt = nullptr;        ///< The person's own as found in the frames before, or null.
     int rounds = 6;
     float toBeat = 1e9F;  ///< The cost of a pose that is known already: far above it the search ends early.
 

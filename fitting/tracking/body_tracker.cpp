@@ -17,6 +17,8 @@ constexpr float kUsualHalfDepth = 0.066F;
 
 /// In a person's first frames nobody knows which way they face.
 constexpr int kNewFrames = 6;
+/// Another pose must cost less than this share of what the pose that was followed costs.
+constexpr float kSteadiness = 0.96F;
 constexpr float kTurned = 1.3F;  ///< Radians to either side that are tried then.
 /// Someone whose crown is this much lower than before bends or sits: it says nothing about stature.
 constexpr float kBending = 0.07F;
@@ -102,7 +104,7 @@ void BodyTracker::learnHalfDepth() {
 void BodyTracker::learnSize() {
     ++sizeFrames_;
     const float weight = 1.0F / static_cast<float>(std::min(sizeFrames_, kSizeFrames));
-    for (std::size_t k = 0; k < kDimensionCount; ++k) {
+    for (std::size_t k = 0; k < kBodyLengthCount; ++k) {
         size_[k] += weight * (body_.size[k] - size_[k]);
     }
 }
@@ -143,7 +145,7 @@ void BodyTracker::tryFrom(const ArticulatedPose& start, BodyFitJob& job, Articul
 
 void BodyTracker::fitBody(const Cloud& cloud, bool floorKnown) {
     collectPoints(cloud);
-    const Dimensions usual = usualDimensions(torso_.stature);
+    const BodyLengths usual = usualLengths(torso_.stature);
     if (sizeFrames_ == 0) size_ = usual;
     const ArticulatedPose before = body_;
     BodyFitJob job{.cloud = &cloud,
@@ -154,12 +156,16 @@ void BodyTracker::fitBody(const Cloud& cloud, bool floorKnown) {
                    .floorKnown = floorKnown,
                    .previous = known_ ? &before : nullptr,
                    .usual = usual,
-                   .spread = dimensionSpread(torso_.stature, floorKnown),
+                   .spread = lengthSpread(torso_.stature, floorKnown),
                    .learnt = sizeFrames_ > 0 ? &size_ : nullptr};
     ArticulatedPose best;
     float cost = 1e9F;
     if (!job.isValid()) return;
-    if (known_) tryFrom(before, job, best, cost);
+    if (known_) {
+        tryFrom(before, job, best, cost);
+        // Of two that are as good the one that does not jump.
+        cost *= kSteadiness;
+    }
     const ArticulatedPose detected = detector_.detect(cloud, silhouette_, torso_, size_, known_ ? &before : nullptr);
     tryFrom(detected, job, best, cost);
     if (sizeFrames_ < kNewFrames) {

@@ -52,7 +52,7 @@ class BodyTracker {
     std::vector<Eigen::Vector3f> points_;
     ArticulatedPose body_;
     bool known_ = false;  ///< body_ is of the frame before.
-    Dimensions size_{};   ///< The person's own, as learnt so far.
+    BodyLengths size_{};  ///< The person's own, as learnt so far.
     int sizeFrames_ = 0;
     HemFinder hem_;
     std::array<PointFilter, kJointCount> filters_{};

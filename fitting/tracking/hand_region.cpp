@@ -70,6 +70,7 @@ void HandRegionJob::run() {
             (*mask)[handIndex(column, row)] = (point - centreOfPalm).dot(axis) > -wrist ? 1 : 0;
         }
     }
+    if (!close) return;
     dilate(*mask, *scratch);
     dilate(*scratch, *mask);
     erode(*mask, *scratch);

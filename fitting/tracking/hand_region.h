@@ -24,6 +24,7 @@ struct HandRegionJob {
     Eigen::Vector3f palm = Eigen::Vector3f::Zero();   ///< Sensor frame, millimetres, about its centre.
     Eigen::Vector3f elbow = Eigen::Vector3f::Zero();  ///< Sensor frame, millimetres.
     float headToNeck = 0.0F;                          ///< Metres.
+    bool close = true;  ///< The dilations and the erosion, which mend what noise tears; near hands keep their gaps.
 
     HandMask* mask = nullptr;  ///< Out.
     HandMask* scratch = nullptr;

@@ -53,7 +53,44 @@ void HandShapeJob::run() {
     const auto area = static_cast<float>(std::labs(doubledArea(contour)));
     shape.solidity = hullArea > 0.0F ? area / hullArea : 1.0F;
     measureGaps();
+    countFingers();
     shape.valid = true;
+}
+
+void HandShapeJob::countFingers() {
+    // Along the outline the distance from the palm rises to each fingertip and falls between two of them.
+    constexpr float kTip = 1.75F;  // Palm's radii.
+    constexpr float kDip = 0.35F;
+    const std::span<const Cell> contour(context->contour.data(), context->contourSize);
+    const bool armKnown = forearm.norm() > 0.35F;
+    const auto reachAt = [&](std::size_t i) {
+        const Eigen::Vector2f offset = toVector(contour[i % contour.size()]) - shape.palm;
+        // The arm's own outline is no finger.
+        if (armKnown && offset.dot(forearm.normalized()) < -0.6F * offset.norm()) return 0.0F;
+        return offset.norm() / std::max(shape.palmRadius, 0.1F);
+    };
+    std::size_t lowest = 0;
+    for (std::size_t i = 1; i < contour.size(); ++i) {
+        if (reachAt(i) < reachAt(lowest)) lowest = i;
+    }
+    float low = reachAt(lowest);
+    float high = low;
+    bool rising = true;
+    for (std::size_t k = 1; k <= contour.size(); ++k) {
+        const float reach = reachAt(lowest + k);
+        if (rising) {
+            high = std::max(high, reach);
+            if (reach > high - kDip) continue;
+            if (high >= kTip && high - low >= kDip) ++shape.fingers;
+            rising = false;
+            low = reach;
+        } else {
+            low = std::min(low, reach);
+            if (reach < low + kDip) continue;
+            rising = true;
+            high = reach;
+        }
+    }
 }
 
 void HandShapeJob::measureGaps() {

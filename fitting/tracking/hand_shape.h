@@ -20,6 +20,7 @@ struct HandShape {
     float hullDepth = 0.0F;    ///< The greatest depth of the outline under its convex hull, away from the arm.
     int deepGaps = 0;          ///< Gaps deeper than a third of the palm's radius: between spread fingers.
     float solidity = 1.0F;     ///< Area over the hull's area.
+    int fingers = 0;           ///< Stretched ones: tips far from the palm with a dip to either side.
 };
 
 /// Scratch of HandShapeJob, made once.
@@ -48,6 +49,7 @@ struct HandShapeJob {
   private:
     [[nodiscard]] bool findPalm();
     void measureGaps();
+    void countFingers();
 };
 
 }  // namespace cheval::fitting::tracking

@@ -45,8 +45,8 @@ void HemFinder::look(const Cloud& cloud, const Silhouette& silhouette, const Art
         const float share = static_cast<float>(level) / kLevels;
         std::array<Eigen::Vector3f, kSideCount> at;
         for (const Side side : {Side::left, Side::right}) {
-            const float thigh = body.length(Dimension::thigh);
-            const float along = share * (thigh + body.length(Dimension::shank));
+            const float thigh = body.length(BodyLength::thigh);
+            const float along = share * (thigh + body.length(BodyLength::shank));
             at[index(side)] = along < thigh ? body.hip(side) + along * body.legs[index(side)].upper
                                             : body.knee(side) + (along - thigh) * body.legs[index(side)].lower;
         }

@@ -121,7 +121,7 @@ bool TorsoFitJob::findHead(float centre) {
     }
     if (count == 0) return false;
     const Eigen::Vector3f mean = sum / static_cast<float>(count);
-    pose.head = {mean.x(), pose.crown - kHeadCentre * usualDimensions(pose.stature)[index(Dimension::headDrop)],
+    pose.head = {mean.x(), pose.crown - kHeadCentre * usualLengths(pose.stature)[index(BodyLength::headDrop)],
                  mean.z() + kHeadHalfDepth * pose.stature};
     pose.headSeen = true;
     return true;

@@ -21,8 +21,8 @@ BodyFitJob jobFor(const DrawnBody& drawn, const ArticulatedPose& start) {
             .silhouette = &drawn.silhouette,
             .points = drawn.points,
             .start = start,
-            .usual = usualDimensions(kStature),
-            .spread = dimensionSpread(kStature, true),
+            .usual = usualLengths(kStature),
+            .spread = lengthSpread(kStature, true),
             .rounds = 12};
 }
 
@@ -154,16 +154,16 @@ TEST(BodyFit, AMirroredBodyIsFoundMirrored) {
 
 TEST(BodyFit, LearnsThatArmsAreLongerThanUsual) {
     ArticulatedPose truth = aPose();
-    truth.size[index(Dimension::forearm)] += 0.02F;
+    truth.size[index(BodyLength::forearm)] += 0.02F;
     // Bent elbows tell the two bones apart.
     truth.arms[0].lower = Eigen::Vector3f(-0.1F, 0.98F, -0.15F).normalized();
     truth.arms[1].lower = Eigen::Vector3f(0.1F, 0.98F, -0.15F).normalized();
     const DrawnBody drawn(truth, 3);
     ArticulatedPose start = truth;
-    start.size = usualDimensions(kStature);
+    start.size = usualLengths(kStature);
     BodyFitJob job = jobFor(drawn, start);
     job.run();
-    EXPECT_GT(job.pose.length(Dimension::forearm), usualDimensions(kStature)[index(Dimension::forearm)] + 0.006F);
+    EXPECT_GT(job.pose.length(BodyLength::forearm), usualLengths(kStature)[index(BodyLength::forearm)] + 0.006F);
 }
 
 TEST(BodyFit, ATenthOfWildPointsChangesLittle) {
@@ -186,7 +186,7 @@ TEST(BodyFit, SizesStayWithinWhatPeopleAre) {
     const DrawnBody drawn(giant);
     BodyFitJob job = jobFor(drawn, aPose());
     job.run();
-    for (std::size_t i = 0; i < kDimensionCount; ++i) {
+    for (std::size_t i = 0; i < kBodyLengthCount; ++i) {
         EXPECT_LE(std::abs(job.pose.size[i] - job.usual[i]), 2.5F * job.spread[i] + 1e-5F);
     }
 }

@@ -16,10 +16,10 @@ inline constexpr float kStature = 1.72F;
 /// In the A-pose, 2.4 m from a level sensor 1.2 m above the floor.
 inline ArticulatedPose aPose() {
     ArticulatedPose pose;
-    pose.size = usualDimensions(kStature);
+    pose.size = usualLengths(kStature);
     pose.axes << -1, 0, 0, 0, 1, 0, 0, 0, -1;
-    const float legs = pose.length(Dimension::thigh) + pose.length(Dimension::shank);
-    pose.middle = {0.0F, 0.075F + 0.985F * legs + 0.5F * pose.length(Dimension::trunk), 2.4F};
+    const float legs = pose.length(BodyLength::thigh) + pose.length(BodyLength::shank);
+    pose.middle = {0.0F, 0.075F + 0.985F * legs + 0.5F * pose.length(BodyLength::trunk), 2.4F};
     pose.headDirection = Eigen::Vector3f(0.0F, 1.0F, -0.27F).normalized();
     for (const Side side : {Side::left, Side::right}) {
         const float out = -outwards(side);  // The left is at −x.
