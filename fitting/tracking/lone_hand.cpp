@@ -22,6 +22,7 @@ constexpr float kMostPalm = 0.06F;
 constexpr float kPalmShare = 0.285F;
 constexpr float kForearm = 0.25F;
 constexpr int kAllFingers = 5;
+constexpr int kSurelyHand = 2;
 
 }  // namespace
 
@@ -32,11 +33,8 @@ bool LoneHandReader::findSurface(const hal::DepthFrame& frame) {
     CloudJob points{.depth = frame.depth, .intrinsics = frame.intrinsics, .placement = {}, .cloud = &cloud_};
     if (!points.isValid()) return false;
     points.run();
-    ComponentsJob surfaces{.cloud = &cloud_,
-                           .mask = mask_,
-                           .scratch = scratch_,
-                           .labels = labels_,
-                           .components = components_};
+    ComponentsJob surfaces{
+        .cloud = &cloud_, .mask = mask_, .scratch = scratch_, .labels = labels_, .components = components_};
     std::transform(cloud_.depth.begin(), cloud_.depth.end(), mask_.begin(),
                    [](float depth) { return depth > 0.0F ? std::uint8_t{1} : std::uint8_t{0}; });
     // The nearest surface of the size of an arm. One that is joined to a body is cut off behind the hand first.
@@ -60,10 +58,8 @@ bool LoneHandReader::findSurface(const hal::DepthFrame& frame) {
         }
     }
     if (best == 0) return false;
-    SilhouetteJob outline{.cloud = &cloud_,
-                          .labels = labels_,
-                          .label = static_cast<std::uint8_t>(best),
-                          .silhouette = &silhouette_};
+    SilhouetteJob outline{
+        .cloud = &cloud_, .labels = labels_, .label = static_cast<std::uint8_t>(best), .silhouette = &silhouette_};
     if (!outline.isValid()) return false;
     outline.run();
     return true;
@@ -106,7 +102,7 @@ Eigen::Vector3f LoneHandReader::towardsArm(const Palm& palm) const {
 
 LoneHandReader::Reading LoneHandReader::read(const hal::DepthFrame& frame) {
     if (!findSurface(frame)) return {};
-    // The hand is at one end of what is seen, the arm at the other. The end with more fingers is the hand.
+    // The hand is at one end of what is seen, the arm at the other.
     const Silhouette& s = silhouette_;
     Eigen::Vector2f sum = Eigen::Vector2f::Zero();
     Eigen::Matrix2f squares = Eigen::Matrix2f::Zero();
@@ -126,8 +122,17 @@ LoneHandReader::Reading LoneHandReader::read(const hal::DepthFrame& frame) {
     solver.computeDirect(squares / static_cast<float>(cells) - mean * mean.transpose());
     const Eigen::Vector2f axis = solver.eigenvectors().col(1);
     const Eigen::Vector2f middle = mean + Eigen::Vector2f(static_cast<float>(s.left), static_cast<float>(s.top));
-    const Reading one = readAt(frame, findPalm(middle, axis));
-    const Reading other = readAt(frame, findPalm(middle, -axis));
+    const Palm onePalm = findPalm(middle, axis);
+    const Palm otherPalm = findPalm(middle, -axis);
+    const auto readHand = [&](const Palm& palm) {
+        const Reading reading = readAt(frame, palm);
+        return reading.fingers > kAllFingers ? Reading{} : reading;  // Not the palm.
+    };
+    const Reading one = readHand(onePalm);
+    const Reading other = readHand(otherPalm);
+    // From the arm's end the whole hand may look like fingers, but the palm is wider than an arm.
+    const bool both = std::min(one.fingers, other.fingers) >= kSurelyHand;
+    if (one.found && other.found && both) return onePalm.radius > otherPalm.radius ? one : other;
     return other.fingers > one.fingers || !one.found ? other : one;
 }
 

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "fitting/tracking/lone_hand.h"
 #include "fitting/tracking/tracker.h"
 #include "hal/png/png.h"
 
@@ -23,10 +24,10 @@ Json readJson(const std::filesystem::path& path) {
     return Json::parse(file);
 }
 
-std::vector<std::filesystem::path> depthFiles(const std::filesystem::path& folder) {
+std::vector<std::filesystem::path> depthFiles(const std::filesystem::path& folder, const std::string& prefix) {
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-        if (entry.path().filename().string().starts_with("depth-")) files.push_back(entry.path());
+        if (entry.path().filename().string().starts_with(prefix)) files.push_back(entry.path());
     }
     std::sort(files.begin(), files.end());
     return files;
@@ -34,7 +35,8 @@ std::vector<std::filesystem::path> depthFiles(const std::filesystem::path& folde
 
 /// Reads pictures of a folder one after another, as a camera would deliver them.
 struct Recording {
-    explicit Recording(const std::filesystem::path& folder) : files(depthFiles(folder)) {
+    explicit Recording(const std::filesystem::path& folder, const std::string& prefix = "depth-")
+        : files(depthFiles(folder, prefix)) {
         const Json sensor = readJson(folder / "sensor.json");
         framesPerSecond = sensor["fps"];
         intrinsics = {640, 480, sensor["fx"], sensor["fy"], sensor["cx"], sensor["cy"]};
@@ -151,6 +153,36 @@ TEST(RealUpperBody, JointsAboveTheHipLieOnThePersonInEveryFrame) {
         // Facing the sensor, the left hand is at the picture's right.
         EXPECT_LT(skeleton[Joint::leftShoulder].position.x(), skeleton[Joint::rightShoulder].position.x());
     }
+}
+
+TEST(RealHands, OpenPalmsAreReadAsOpenAndHardlyAnythingElseIs) {
+    Recording recording(kData / "real-hands", "2021");
+    ASSERT_EQ(recording.files.size(), 10U);
+    tracking::LoneHandReader reader;
+    int wrong = 0;
+    for (std::size_t i = 0; i < recording.files.size(); ++i) {
+        const std::string name = recording.files[i].filename().string();
+        hal::DepthFrame frame = recording.frame(i, static_cast<std::int64_t>(i));
+        hal::Image<std::uint16_t> millimetres;
+        millimetres.resize(frame.depth.width, frame.depth.height);
+        for (int row = 0; row < frame.depth.height; ++row) {
+            for (int column = 0; column < frame.depth.width; ++column) {
+                millimetres.view().row(row)[column] = static_cast<std::uint16_t>(frame.depth.at(column, row) / 8);
+            }
+        }
+        frame.depth = std::as_const(millimetres).view();
+        const HandState state = reader.read(frame).state;
+        // The recording's own list of what one sees.
+        const bool open = name.starts_with("20210326-230536") || name == "20210326-231615-180.png";
+        if (open) {
+            EXPECT_EQ(state, HandState::open) << name;
+        } else if (state == HandState::open) {
+            ++wrong;
+        }
+        EXPECT_NE(state, HandState::closed) << name;
+    }
+    // A thumb folded over the palm stands out beside it.
+    EXPECT_LE(wrong, 1);
 }
 
 }  // namespace
