@@ -57,6 +57,24 @@ bool HealthBoard::Pulse::standsStill(std::uint64_t now, hal::TimePoint time) {
     return time - *moved >= kHangs;
 }
 
+HealthBoard::Verdict HealthBoard::judgeView(fitting::ViewFault fault) {
+    switch (fault) {
+        case fitting::ViewFault::none:
+            break;
+        case fitting::ViewFault::noReadings:
+            return {HealthState::degraded,
+                    "frames come, but hardly a pixel has a depth. Mend: keep the sun off the place, see whether the "
+                    "sensor's projector glows, and clean its windows"};
+        case fitting::ViewFault::covered:
+            return {HealthState::degraded,
+                    "something within 0.75 m fills the sensor's view. Mend: take away what hangs or stands before it"};
+        case fitting::ViewFault::upsideDown:
+            return {HealthState::degraded,
+                    "the floor is where the ceiling should be: the sensor is upside down. Mend: turn it over"};
+    }
+    return {};
+}
+
 HealthBoard::Verdict HealthBoard::judgeDisplay(const HealthInput& input) {
     const bool still = pictures_.standsStill(input.mirror.pictures, clock_.now());
     if (input.mirror.displayFault.length > 0)
@@ -105,6 +123,7 @@ const std::vector<PartHealth>& HealthBoard::update(const HealthInput& input) {
     Verdict sensor;
     switch (mirror.camera) {
         case CameraState::streaming:
+            sensor = judgeView(mirror.viewFault);
             break;
         case CameraState::closed:
         case CameraState::waiting:

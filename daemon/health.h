@@ -81,6 +81,7 @@ class HealthBoard {
         bool standsStill(std::uint64_t now, hal::TimePoint time);
     };
 
+    static Verdict judgeView(fitting::ViewFault fault);
     Verdict judgeLoop(const HealthInput& input);
     Verdict judgeDisplay(const HealthInput& input);
     void tell(std::string_view part, Verdict verdict);

@@ -206,6 +206,7 @@ void Mirror::afterLoop(hal::Duration taken, bool haveFrame) {
     status_.outfitIndex = session.outfit();
     status_.camera = supervisor_.state();
     status_.fault.assign(faultText_);
+    status_.viewFault = chain_->tracker().viewFault();
     status_.recovery = supervisor_.recovery().counts();
     status_.openings = supervisor_.openings();
     if (chain_->buttonsFault() != status_.buttonsFault.view() && !parts_.runToTheEnd) {

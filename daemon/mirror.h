@@ -21,6 +21,7 @@
 #include "daemon/picture_maker.h"
 #include "daemon/triple_buffer.h"
 #include "daemon/wardrobe.h"
+#include "fitting/users.h"
 #include "hal/buttons.h"
 #include "hal/display.h"
 
@@ -50,7 +51,8 @@ struct MirrorStatus {
     std::size_t outfitIndex = 0;  ///< Among the wardrobe's outfits.
     CameraState camera = CameraState::closed;
     render::FixedText<512> fault;
-    render::FixedText<256> buttonsFault;  ///< Why the buttons cannot be read; empty while they can.
+    fitting::ViewFault viewFault = fitting::ViewFault::none;  ///< What keeps people from being seen.
+    render::FixedText<256> buttonsFault;                      ///< Why the buttons cannot be read; empty while they can.
     render::FixedText<512> displayFault;  ///< Why the last picture was not shown; empty where it was.
     bool avatarView = false;
     double framesPerSecond = 0.0;

@@ -10,6 +10,7 @@
 #include "fitting/tracking/hand_reader.h"
 #include "fitting/tracking/people.h"
 #include "fitting/tracking/placement.h"
+#include "fitting/tracking/view_watch.h"
 
 namespace cheval::fitting {
 
@@ -24,6 +25,7 @@ struct Tracker::State {
           map(static_cast<std::size_t>(kFrameWidth) * kFrameHeight) {}
 
     void reset() {
+        view.reset();
         placement.reset();
         people.reset();
         body.reset();
@@ -42,6 +44,7 @@ struct Tracker::State {
     /// The cells' labels at the picture's size, for those pixels that lie on the cell's surface.
     void drawMap(const hal::DepthFrame& frame);
 
+    ViewWatch view;
     PlacementFilter placement;
     People people;
     BodyTracker body;
@@ -82,11 +85,13 @@ void Tracker::track(const hal::DepthFrame& frame) {
                     .placement = state.placement.placement(),
                     .cloud = &state.cloud};
     if (!points.isValid()) {
+        state.view.update(nullptr, frame.captureTime);
         state.people.seeNothing(frame.captureTime);
         state.clear();
         return;
     }
     points.run();
+    state.view.update(&state.cloud, frame.captureTime);
     state.placement.update(state.cloud);
     state.people.update(state.cloud, frame.captureTime, state.placement.floorKnown());
     state.users = state.people.users();
@@ -120,6 +125,9 @@ const Skeleton& Tracker::skeleton() const {
 }
 const Hands& Tracker::hands() const {
     return state_->hands;
+}
+ViewFault Tracker::viewFault() const {
+    return state_->view.fault();
 }
 const SensorPlacement& Tracker::placement() const {
     return state_->placement.placement();

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -53,6 +54,21 @@ class HealthTest : public testing::Test {
     HealthInput input_;
     HealthBoard board_;
 };
+
+TEST_F(HealthTest, ASensorThatCanShowNobodySaysWhyAndHowToMendIt) {
+    const std::pair<fitting::ViewFault, std::string> cases[] = {
+        {fitting::ViewFault::noReadings, "hardly a pixel"},
+        {fitting::ViewFault::covered, "fills the sensor's view"},
+        {fitting::ViewFault::upsideDown, "upside down"}};
+    for (const auto& [fault, words] : cases) {
+        input_.mirror.viewFault = fault;
+        EXPECT_EQ(part("sensor").state, HealthState::degraded);
+        EXPECT_THAT(part("sensor").reason, HasSubstr(words));
+        EXPECT_THAT(part("sensor").reason, HasSubstr("Mend: "));
+    }
+    input_.mirror.viewFault = fitting::ViewFault::none;
+    EXPECT_EQ(part("sensor").state, HealthState::ok);
+}
 
 TEST_F(HealthTest, AllPartsAreListedInTheSameOrderAndWell) {
     turn();

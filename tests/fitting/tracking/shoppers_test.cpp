@@ -155,6 +155,46 @@ TEST(RealUpperBody, JointsAboveTheHipLieOnThePersonInEveryFrame) {
     }
 }
 
+TEST(MirroredShoppers, MirroredPicturesGiveMirroredJoints) {
+    Recording recording(kData / "shoppers" / "seq01");
+    Tracker tracker(TrackerOptions{.mount = recording.mount});
+    hal::Mount mount = recording.mount;
+    mount.rollDeg = -mount.rollDeg;
+    Tracker mirror(TrackerOptions{.mount = mount});
+    const auto partner = [](std::size_t joint) {
+        const std::string name(kJointNames[joint]);
+        const bool left = name.starts_with("left_");
+        if (!left && !name.starts_with("right_")) return joint;
+        const std::string other = (left ? "right_" : "left_") + name.substr(name.find('_') + 1);
+        return static_cast<std::size_t>(std::find(kJointNames.begin(), kJointNames.end(), other) - kJointNames.begin());
+    };
+    std::vector<float> differences;
+    hal::Image<std::uint16_t> flipped;
+    flipped.resize(640, 480);
+    for (std::size_t i = 0; i < recording.files.size(); i += 1) {
+        hal::DepthFrame frame = recording.frame(i, static_cast<std::int64_t>(i));
+        tracker.track(frame);
+        for (int row = 0; row < 480; ++row) {
+            std::reverse_copy(frame.depth.row(row), frame.depth.row(row) + 640, flipped.view().row(row));
+        }
+        frame.depth = std::as_const(flipped).view();
+        frame.intrinsics.cx = 639.0F - frame.intrinsics.cx;
+        mirror.track(frame);
+        ASSERT_EQ(tracker.skeleton().present(), mirror.skeleton().present()) << i;
+        if (!tracker.skeleton().present()) continue;
+        for (std::size_t joint = 0; joint < kJointCount; ++joint) {
+            Eigen::Vector3f other = mirror.skeleton().joints[partner(joint)].position;
+            other.x() = -other.x();
+            differences.push_back((tracker.skeleton().joints[joint].position - other).norm());
+        }
+    }
+    ASSERT_GT(differences.size(), 1000U);
+    // The search for limbs is a different one on either side, so not each joint agrees to the millimetre.
+    std::sort(differences.begin(), differences.end());
+    EXPECT_LT(differences[differences.size() / 2], 0.010F);
+    EXPECT_LT(differences[differences.size() * 95 / 100], 0.050F);
+}
+
 TEST(RealHands, OpenPalmsAreReadAsOpenAndHardlyAnythingElseIs) {
     Recording recording(kData / "real-hands", "2021");
     ASSERT_EQ(recording.files.size(), 10U);
