@@ -45,7 +45,9 @@ class Background {
     static constexpr int kBlockColumns = kCloudWidth / kBlock;
     static constexpr std::size_t kBlocks = kCloudCells / (kBlock * kBlock);
     static constexpr std::size_t blockOf(std::size_t cell) {
-        return static_cast<std::size_t>(cellRow(cell) / kBlock * kBlockColumns + cellColumn(cell) / kBlock);
+        const int row = cellRow(cell) / kBlock;
+        const int column = cellColumn(cell) / kBlock;
+        return static_cast<std::size_t>(row) * kBlockColumns + static_cast<std::size_t>(column);
     }
 
     std::vector<float> depth_;    ///< Metres; 0: not known.
