@@ -63,7 +63,8 @@ class DrawnHand {
 
 TEST(LoneHand, AnOpenHandIsReadAsOpenHoweverItIsTurned) {
     LoneHandReader reader;
-    for (float angle = 0.0F; angle < 6.2F; angle += 0.4F) {
+    for (int step = 0; step < 16; ++step) {
+        const float angle = 0.39F * static_cast<float>(step);
         const DrawnHand hand(5, angle);
         const LoneHandReader::Reading reading = reader.read(hand.frame());
         EXPECT_TRUE(reading.found) << angle;
