@@ -45,7 +45,9 @@ void check(const fitting::Tracker& tracker) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    fitting::Tracker tracker(fitting::TrackerOptions{});
+    // One for all inputs, as in a mirror: making it costs more than a frame does.
+    static fitting::Tracker tracker(fitting::TrackerOptions{});
+    tracker.reset();
     std::vector<std::uint16_t> depth(static_cast<std::size_t>(kWidth) * kHeight);
     hal::DepthFrame frame;
     frame.depth = {depth.data(), kWidth, kHeight, kWidth};
