@@ -171,11 +171,9 @@ void Linear::partPoint(Row& row, const BodySurface::Place& at, const Eigen::Vect
 
 // --- What the depth says --------------------------------------------------------------------------------------------
 
-void addPoints(const BodyFitJob& job, const Linear& linear, const BodySurface& surface, System& system,
-               std::array<float, kBodyPartCount>& support) {
+void addPoints(const BodyFitJob& job, const Linear& linear, const BodySurface& surface, System& system) {
     const float share = std::min(1.0F, kIndependentPoints / static_cast<float>(job.points.size()));
     const Eigen::Vector3f eye = job.cloud->placement.translation;
-    support.fill(0.0F);
     for (const Eigen::Vector3f& point : job.points) {
         const BodySurface::Place nearest = surface.nearest(point);
         Eigen::Vector3f normal = point - nearest.point;
@@ -191,7 +189,6 @@ void addPoints(const BodyFitJob& job, const Linear& linear, const BodySurface& s
         }
         const float robust = 1.0F / (1.0F + (residual * residual) / (kRobust * kRobust));
         system.cost += share * (residual * residual) * robust / (kSurfaceSpread * kSurfaceSpread);
-        if (std::abs(residual) < 0.04F) support[static_cast<std::size_t>(nearest.part)] += 1.0F;
         Row row;
         linear.partPoint(row, nearest, -normal);
         if (nearest.part == BodyPart::trunk) row.add(kSizes + static_cast<int>(index(BodyLength::trunkDepth)), -1.0F);
@@ -457,8 +454,7 @@ void BodyFitJob::run() {
         const Linear linear(trial);
         const BodySurface surface(trial);
         System system;
-        std::array<float, kBodyPartCount> supported{};
-        addPoints(*this, linear, surface, system, supported);
+        addPoints(*this, linear, surface, system);
         addBones(*this, linear, system);
         addBody(*this, linear, system);
         addSizes(*this, trial, system);
@@ -467,7 +463,6 @@ void BodyFitJob::run() {
         if (gain > 0.0F) {
             cost = system.cost;
             pose = trial;
-            support = supported;
         }
         // Settled, or so far from what is already known that the rounds left will not reach it.
         const bool settled = round > 1 && std::abs(gain) < kSettled * cost;

@@ -32,9 +32,8 @@ struct BodyFitJob {
     int rounds = 6;
     float toBeat = 1e9F;  ///< The cost of a pose that is known already: far above it the search ends early.
 
-    ArticulatedPose pose;                         ///< Out.
-    float cost = 0.0F;                            ///< Out: without what ties it to the frame before.
-    std::array<float, kBodyPartCount> support{};  ///< Out: points that lie on each part.
+    ArticulatedPose pose;  ///< Out.
+    float cost = 0.0F;     ///< Out: without what ties it to the frame before.
 
     [[nodiscard]] bool isValid() const { return cloud != nullptr && silhouette != nullptr && !points.empty(); }
     void run();
