@@ -17,7 +17,8 @@ inline constexpr std::size_t kMaximumUsers = 6;
 struct User {
     std::uint32_t id = 0;  ///< Counts up, never used twice in a run; 0: none.
     Eigen::Vector3f centroid = Eigen::Vector3f::Zero();
-    Eigen::Vector3f lower = Eigen::Vector3f::Zero();  ///< Corner of the axis-aligned box of the person's points.
+    Eigen::Vector3f velocity = Eigen::Vector3f::Zero();  ///< Of the centroid, metres a second.
+    Eigen::Vector3f lower = Eigen::Vector3f::Zero();     ///< Corner of the axis-aligned box of the person's points.
     Eigen::Vector3f upper = Eigen::Vector3f::Zero();
     int pixels = 0;
     std::uint8_t label = 0;  ///< The value of this person's pixels in the user map.

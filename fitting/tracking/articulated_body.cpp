@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace cheval::fitting::tracking {
 namespace {
@@ -79,6 +80,25 @@ Eigen::Vector3f ArticulatedPose::shoulder(Side side) const {
 
 Eigen::Vector3f ArticulatedPose::hip(Side side) const {
     return hipMiddle() + outwards(side) * length(BodyLength::hipHalfBreadth) * left();
+}
+
+ArticulatedPose ArticulatedPose::turnedRound() const {
+    ArticulatedPose turned = *this;
+    turned.axes.col(0) = -left();
+    turned.axes.col(2) = -forward();
+    std::swap(turned.arms[0], turned.arms[1]);
+    std::swap(turned.legs[0], turned.legs[1]);
+    return turned;
+}
+
+ArticulatedPose ArticulatedPose::withLegsExchanged() const {
+    ArticulatedPose exchanged = *this;
+    for (const Side side : {Side::left, Side::right}) {
+        const Side other = side == Side::left ? Side::right : Side::left;
+        exchanged.legs[fitting::index(side)] = {(knee(other) - hip(side)).normalized(),
+                                                (foot(other) - knee(other)).normalized()};
+    }
+    return exchanged;
 }
 
 BodySurface::BodySurface(const ArticulatedPose& pose)

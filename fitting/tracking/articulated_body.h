@@ -73,6 +73,12 @@ struct ArticulatedPose {
     [[nodiscard]] Eigen::Vector3f foot(Side side) const {
         return knee(side) + length(BodyLength::shank) * legs[fitting::index(side)].lower;
     }
+    /// The same outline of somebody who faces the other way.
+    [[nodiscard]] ArticulatedPose turnedRound() const;
+    /// Whether each foot stands on the other's side.
+    [[nodiscard]] bool legsCrossed() const { return (foot(Side::left) - foot(Side::right)).dot(left()) < 0.0F; }
+    /// Each leg in the other's place.
+    [[nodiscard]] ArticulatedPose withLegsExchanged() const;
 };
 
 /// The sign of a side along the person's left: 1 for the left, −1 for the right.

@@ -29,6 +29,11 @@ constexpr float kRobust = 0.055F;         ///< Beyond this a point counts ever l
 constexpr float kBoneSpread = 0.020F;
 /// Exchanged legs explain the same points: only this tells them from the right ones.
 constexpr float kCrossedCost = 2.0F;
+/// How much of the forward direction may point away from the glass, and away from where a person walks who goes
+/// sideways by so many metres a second.
+constexpr float kTurnedAway = 0.35F;
+constexpr float kWalkedAway = 0.20F;
+constexpr float kWalking = 0.35F;
 constexpr float kSettled = 0.004F;
 constexpr float kHopeless = 1.6F;
 /// Of the ankle's joint above the floor, in shares of the leg's two bones.
@@ -301,9 +306,8 @@ void addStanding(const Linear& linear, System& system) {
 void addBody(const BodyFitJob& job, const Linear& linear, System& system) {
     const ArticulatedPose& pose = linear.pose;
     const auto& tangents = linear.tangents;
-    // Trunks stand upright and, without evidence, face the glass.
-    // Whoever leaves that does so
-    // wholly: beyond `far` the pull lets go.
+    // Trunks stand upright and, without evidence, face the glass. Whoever leaves that does so wholly: beyond `far` the
+    // pull lets go.
     const auto tilt = [&](const Eigen::Vector3f& axis, const Eigen::Vector3f& of, float spread, float far) {
         const float value = of.dot(axis);
         const float robust = 1.0F / (1.0F + value * value / (far * far));
@@ -315,6 +319,20 @@ void addBody(const BodyFitJob& job, const Linear& linear, System& system) {
     tilt(Eigen::Vector3f::UnitX(), pose.up(), 0.08F, 0.25F);
     tilt(Eigen::Vector3f::UnitZ(), pose.up(), 0.05F, 0.15F);
     tilt(Eigen::Vector3f::UnitZ(), pose.left(), 1.2F, 10.0F);
+    // Nobody looks into a mirror backwards, and nobody walks sideways backwards.
+    const auto turnFrom = [&](const Eigen::Vector3f& direction, float most) {
+        constexpr float kSpread = 0.08F;
+        const float excess = pose.forward().dot(direction) - most;
+        if (excess <= 0.0F) return;
+        Row row;
+        row.add(kTurn, Eigen::Vector3f(pose.forward().cross(direction) / kSpread));
+        system.add(row, excess / kSpread, 1.0F);
+        system.cost += excess * excess / (kSpread * kSpread);
+    };
+    turnFrom(Eigen::Vector3f::UnitZ(), kTurnedAway);
+    if (std::abs(job.sideways) > kWalking) {
+        turnFrom(Eigen::Vector3f(job.sideways > 0.0F ? -1.0F : 1.0F, 0.0F, 0.0F), kWalkedAway);
+    }
     // Heads are held up and a little forwards.
     drawDirection(system, kHead, linear.headTangent, pose.headDirection, pose.up() + 0.27F * pose.forward(), 0.13F);
     if (job.headSeen) {

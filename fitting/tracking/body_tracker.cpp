@@ -19,7 +19,12 @@ constexpr float kUsualHalfDepth = 0.066F;
 constexpr int kNewFrames = 6;
 /// Another pose must cost less than this share of what the pose that was followed costs.
 constexpr float kSteadiness = 0.96F;
+/// A forward direction with this much along z, or more, is no longer towards the glass.
+constexpr float kProfile = -0.35F;
 constexpr float kTurned = 1.3F;  ///< Radians to either side that are tried then.
+/// Metres a second sideways, and how much of the forward direction points that way at least.
+constexpr float kWalking = 0.4F;
+constexpr float kLooksAside = 0.5F;
 /// Someone whose crown is this much lower than before bends or sits: it says nothing about stature.
 constexpr float kBending = 0.07F;
 
@@ -77,7 +82,7 @@ void BodyTracker::update(const Cloud& cloud, std::span<const std::uint8_t> label
     }
     learnStature(floorKnown);
     learnHalfDepth();
-    fitBody(cloud, floorKnown);
+    fitBody(cloud, user, floorKnown);
     fillSkeleton(cloud, time, skeleton);
 }
 
@@ -143,7 +148,7 @@ void BodyTracker::tryFrom(const ArticulatedPose& start, BodyFitJob& job, Articul
     best = job.pose;
 }
 
-void BodyTracker::fitBody(const Cloud& cloud, bool floorKnown) {
+void BodyTracker::fitBody(const Cloud& cloud, const User& user, bool floorKnown) {
     collectPoints(cloud);
     const BodyLengths usual = usualLengths(torso_.stature);
     if (sizeFrames_ == 0) size_ = usual;
@@ -154,6 +159,7 @@ void BodyTracker::fitBody(const Cloud& cloud, bool floorKnown) {
                    .head = torso_.head,
                    .headSeen = torso_.headSeen,
                    .floorKnown = floorKnown,
+                   .sideways = user.velocity.x(),
                    .previous = known_ ? &before : nullptr,
                    .usual = usual,
                    .spread = lengthSpread(torso_.stature, floorKnown),
@@ -163,18 +169,24 @@ void BodyTracker::fitBody(const Cloud& cloud, bool floorKnown) {
     if (!job.isValid()) return;
     if (known_) {
         tryFrom(before, job, best, cost);
+        // In profile front and back look alike.
+        if (before.forward().z() > kProfile) tryFrom(before.turnedRound(), job, best, cost);
+        if (before.legsCrossed()) tryFrom(before.withLegsExchanged(), job, best, cost);
         // Of two that are as good the one that does not jump.
         cost *= kSteadiness;
     }
     const ArticulatedPose detected = detector_.detect(cloud, silhouette_, torso_, size_, known_ ? &before : nullptr);
     tryFrom(detected, job, best, cost);
-    if (sizeFrames_ < kNewFrames) {
-        for (const float angle : {-kTurned, kTurned}) {
-            ArticulatedPose turned = detected;
-            turned.axes = Eigen::AngleAxisf(angle, Eigen::Vector3f::UnitY()) * turned.axes;
-            turned.arms = {};
-            tryFrom(turned, job, best, cost);
-        }
+    // Whoever walks sideways most likely looks where they go.
+    const float sideways = user.velocity.x();
+    const float towards = std::copysign(1.0F, sideways);
+    const bool walks = std::abs(sideways) > kWalking && best.forward().x() * towards < kLooksAside;
+    for (const float side : {-1.0F, 1.0F}) {
+        if (walks ? side != towards : sizeFrames_ >= kNewFrames) continue;
+        ArticulatedPose turned = detected;
+        turned.axes = Eigen::AngleAxisf(-side * kTurned, Eigen::Vector3f::UnitY()) * turned.axes;
+        turned.arms = {};
+        tryFrom(turned, job, best, cost);
     }
     body_ = best;
     known_ = true;

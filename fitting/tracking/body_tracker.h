@@ -41,7 +41,7 @@ class BodyTracker {
     void learnHalfDepth();
     void learnSize();
     void collectPoints(const Cloud& cloud);
-    void fitBody(const Cloud& cloud, bool floorKnown);
+    void fitBody(const Cloud& cloud, const User& user, bool floorKnown);
     void tryFrom(const ArticulatedPose& start, BodyFitJob& job, ArticulatedPose& best, float& cost) const;
     [[nodiscard]] float confidenceOf(const Cloud& cloud, const Eigen::Vector3f& position, float depthAllowed) const;
     void fillSkeleton(const Cloud& cloud, hal::TimePoint time, Skeleton& skeleton);

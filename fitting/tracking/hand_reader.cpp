@@ -24,33 +24,7 @@ constexpr float kLap = 0.06F;
 constexpr float kAtChestBefore = 0.125F;
 constexpr float kAtChestAcross = 0.125F;
 
-float bounded(float value) {
-    return std::clamp(value, -1.5F, 1.5F);
-}
-
 }  // namespace
-
-float openness(const HandShape& shape, const HandRelief& relief, float cellMetres, float headToNeck) {
-    // One measure's part: its mean and standard deviation over hands of both kinds, and what a deviation weighs.
-    struct Measure {
-        float value, mean, deviation, weight;
-    };
-    const float millimetre = 1e-3F / headToNeck;
-    const std::array<Measure, 6> measures = {{
-        {relief.spread * millimetre, 0.630F, 0.118F, 0.74F},
-        {relief.breadth * millimetre, 0.176F, 0.0248F, 0.31F},
-        {relief.thickness * millimetre, 0.0779F, 0.0117F, -1.34F},
-        {relief.reach * millimetre, 0.734F, 0.156F, 0.64F},
-        {shape.fingerReach * cellMetres / headToNeck, 0.734F, 0.202F, 0.47F},
-        {static_cast<float>(shape.deepGaps), 2.55F, 1.49F, 1.84F},
-    }};
-    float logit = 3.58F;
-    for (const Measure& measure : measures) {
-        logit += measure.weight * (measure.value - measure.mean) / measure.deviation;
-    }
-    constexpr float kClear = 4.0F;
-    return bounded(logit / kClear);
-}
 
 void HandStateFilter::read(float value, float elapsed) {
     missing_ = 0.0F;
@@ -135,31 +109,18 @@ void HandReader::readHand(const hal::DepthFrame& frame, const Users& users, cons
     HandStateFilter& filter = states_[index(side)];
     const User* user = users.active();
     const float headToNeck = (skeleton[Joint::head].position - skeleton[Joint::neck].position).norm();
-    HandRegionJob region{.depth = frame.depth,
-                         .userMap = users.map,
-                         .label = user == nullptr ? std::uint8_t{0} : user->label,
-                         .intrinsics = frame.intrinsics,
-                         .palm = placement.toSensor(joint.position),
-                         .elbow = placement.toSensor(elbow.position),
-                         .headToNeck = headToNeck,
-                         .mask = &mask_,
-                         .scratch = &scratch_};
-    HandShapeJob outline{.mask = &mask_, .context = &context_};
-    if (user != nullptr && joint.confidence >= 0.5F && region.isValid()) {
-        region.run();
-        outline.forearm = region.forearm;
-        if (region.surface > 0.0F && region.pixelsPerCell >= kCoarsest && outline.isValid()) outline.run();
-    }
-    HandReliefJob surface{.depth = frame.depth,
-                          .intrinsics = frame.intrinsics,
-                          .mask = &mask_,
-                          .centre = project(frame.intrinsics, region.palm),
-                          .pixelsPerCell = region.pixelsPerCell,
-                          .surface = region.surface,
-                          .palm = region.palmOnSurface()};
-    if (outline.shape.valid && surface.isValid()) surface.run();
-    if (surface.relief.valid) {
-        filter.read(openness(outline.shape, surface.relief, region.cellMetres, headToNeck), elapsed);
+    HandOpennessJob reading{.depth = frame.depth,
+                            .userMap = users.map,
+                            .label = user == nullptr ? std::uint8_t{0} : user->label,
+                            .intrinsics = frame.intrinsics,
+                            .palm = placement.toSensor(joint.position),
+                            .elbow = placement.toSensor(elbow.position),
+                            .headToNeck = headToNeck,
+                            .coarsest = kCoarsest,
+                            .context = &context_};
+    if (user != nullptr && joint.confidence >= 0.5F && reading.isValid()) reading.run();
+    if (reading.found) {
+        filter.read(reading.openness, elapsed);
     } else {
         filter.miss(elapsed);
     }

@@ -6,19 +6,12 @@
 
 #include "fitting/hands.h"
 #include "fitting/skeleton.h"
-#include "fitting/tracking/hand_region.h"
-#include "fitting/tracking/hand_relief.h"
-#include "fitting/tracking/hand_shape.h"
+#include "fitting/tracking/hand_openness.h"
 #include "fitting/tracking/smoothing.h"
 #include "fitting/users.h"
 #include "hal/frame.h"
 
 namespace cheval::fitting::tracking {
-
-/// How open a hand is: below 0 rather closed, above rather open, about ±1 when clear. Logistic regression over six
-/// measures of outline and surface in shares of the distance from head to neck; trained on 4500 simulated hands, never
-/// on recorded ones.
-float openness(const HandShape& shape, const HandRelief& relief, float cellMetres, float headToNeck);
 
 /// Openness over time with hysteresis, so that one ragged frame changes nothing. Thread-bound.
 class HandStateFilter {
@@ -54,8 +47,7 @@ class HandReader {
     void readHand(const hal::DepthFrame& frame, const Users& users, const Skeleton& skeleton,
                   const SensorPlacement& placement, Side side, float elapsed, Hand& hand);
 
-    HandMask mask_{}, scratch_{};
-    HandShapeContext context_;
+    HandOpennessContext context_;
     std::array<HandStateFilter, kSideCount> states_;
     std::array<PointFilter, kSideCount> motion_{
         PointFilter({.restCutoff = 3.0F, .speedFactor = 8.0F, .speedCutoff = 5.0F}),

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "fitting/tracking/articulated_body.h"
+
 namespace cheval::fitting::tracking {
 namespace {
 
@@ -43,18 +45,20 @@ constexpr float kLegSeeds[][6] = {
 }  // namespace
 
 LimbModel armModel(float stature) {
+    const BodyLengths size = usualLengths(stature);
     return {.kind = LimbKind::arm,
-            .upperLength = proportion::kUpperArm * stature,
-            .lowerLength = proportion::kForearm * stature,
+            .upperLength = size[index(BodyLength::upperArm)],
+            .lowerLength = size[index(BodyLength::forearm)],
             .upperRadius = 0.026F * stature,
             .lowerRadius = 0.020F * stature,
             .beyond = 0.045F * stature};
 }
 
 LimbModel legModel(float stature) {
+    const BodyLengths size = usualLengths(stature);
     return {.kind = LimbKind::leg,
-            .upperLength = proportion::kThigh * stature,
-            .lowerLength = proportion::kShank * stature,
+            .upperLength = size[index(BodyLength::thigh)],
+            .lowerLength = size[index(BodyLength::shank)],
             .upperRadius = 0.045F * stature,
             .lowerRadius = 0.030F * stature,
             .beyond = 0.02F * stature};

@@ -142,33 +142,19 @@ LoneHandReader::Reading LoneHandReader::readAt(const hal::DepthFrame& frame, con
     const SensorPlacement& placement = cloud_.placement;
     const Eigen::Vector3f at = placement.toSensor(palm.point);
     const Eigen::Vector3f arm = placement.toSensor(palm.point + kForearm * towardsArm(palm));
-    const float headToNeck = palm.radius / kPalmShare;
-    HandRegionJob region{.depth = frame.depth,
-                         .intrinsics = frame.intrinsics,
-                         .palm = at,
-                         .elbow = arm,
-                         .headToNeck = headToNeck,
-                         .close = false,
-                         .mask = &hand_,
-                         .scratch = &handScratch_};
-    if (!region.isValid()) return reading;
-    region.run();
-    HandShapeJob outline{.mask = &hand_, .context = &context_, .forearm = region.forearm};
-    if (region.surface <= 0.0F || !outline.isValid()) return reading;
-    outline.run();
-    HandReliefJob surface{.depth = frame.depth,
-                          .intrinsics = frame.intrinsics,
-                          .mask = &hand_,
-                          .centre = project(frame.intrinsics, region.palm),
-                          .pixelsPerCell = region.pixelsPerCell,
-                          .surface = region.surface,
-                          .palm = region.palmOnSurface()};
-    if (!outline.shape.valid || !surface.isValid()) return reading;
-    surface.run();
-    if (!surface.relief.valid) return reading;
+    HandOpennessJob measured{.depth = frame.depth,
+                             .intrinsics = frame.intrinsics,
+                             .palm = at,
+                             .elbow = arm,
+                             .headToNeck = palm.radius / kPalmShare,
+                             .close = false,
+                             .context = &context_};
+    if (!measured.isValid()) return reading;
+    measured.run();
+    if (!measured.found) return reading;
     reading.found = true;
-    reading.fingers = outline.shape.fingers;
-    const float value = openness(outline.shape, surface.relief, region.cellMetres, headToNeck);
+    reading.fingers = measured.fingers;
+    const float value = measured.openness;
     if (value > 0.0F && reading.fingers >= kAllFingers) {
         reading.state = HandState::open;
     } else if (value < 0.0F && reading.fingers == 0) {

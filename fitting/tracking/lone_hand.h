@@ -6,7 +6,7 @@
 #include "fitting/hands.h"
 #include "fitting/tracking/cloud.h"
 #include "fitting/tracking/components.h"
-#include "fitting/tracking/hand_reader.h"
+#include "fitting/tracking/hand_openness.h"
 #include "fitting/tracking/silhouette.h"
 #include "hal/frame.h"
 
@@ -44,8 +44,7 @@ class LoneHandReader {
     std::vector<std::uint32_t> scratch_;
     std::vector<Component> components_;
     Silhouette silhouette_;
-    HandMask hand_{}, handScratch_{};
-    HandShapeContext context_;
+    HandOpennessContext context_;
 };
 
 }  // namespace cheval::fitting::tracking

@@ -17,10 +17,14 @@ constexpr float kWalkedMetres = 0.35F;
 /// What has never walked and has not changed its outline for this long is a mannequin.
 constexpr double kMannequinSeconds = 10.0;
 constexpr double kForgetSeconds = 2.0;
-/// An active user that never walked and has been this still gives way to somebody who walks.
-constexpr double kDoubtSeconds = 2.0;
+/// Whoever comes into view moves. What was there before anything was seen has this long to stir.
+constexpr double kDoubtSeconds = 0.5;
+/// How far a living person's centroid or spread goes; noise and flicker stay below.
+constexpr float kStirredMetres = 0.010F;
 /// A centroid that has gone this far has moved; noise and flicker move it by less than a centimetre.
 constexpr float kMovedMetres = 0.03F;
+/// Seconds over which a person's velocity is averaged.
+constexpr float kVelocitySpan = 0.15F;
 /// How far behind and before a person's centroid a piece of that person may lie.
 constexpr float kDeepestBehind = 0.50F;
 constexpr float kFarthestBefore = 1.0F;
@@ -91,6 +95,7 @@ void People::seeNothing(hal::TimePoint time) {
 
 void People::update(const Cloud& cloud, hal::TimePoint time, bool floorKnown) {
     const float elapsed = started_ ? std::clamp(static_cast<float>(hal::seconds(time - lastTime_)), 0.0F, 0.5F) : 0.0F;
+    first_ = !started_;
     started_ = true;
     lastTime_ = time;
     std::swap(labels_, previousLabels_);
@@ -115,6 +120,7 @@ void People::update(const Cloud& cloud, hal::TimePoint time, bool floorKnown) {
     attachFragments();
     labelCells(cloud);
     measurePeople(cloud, time);
+    findTheLiving(cloud);
 
     std::copy(cloud.depth.begin(), cloud.depth.end(), previousDepth_.begin());
     judgeCells(cloud);
@@ -217,7 +223,8 @@ void People::adopt(std::size_t component, hal::TimePoint time) {
         *place = Person{};
         place->id = nextId_++;
         place->birthplace = place->restingPlace = centroid;
-        place->lastMoved = time;
+        place->lastMoved = place->firstSeen = time;
+        place->wasThere = first_;
     }
     place->seen = true;
     place->centroid = centroid;
@@ -280,13 +287,17 @@ void People::labelCells(const Cloud& cloud) {
 
 void People::measurePeople(const Cloud& cloud, hal::TimePoint time) {
     std::array<Component, kMaximumUsers> sums{};
+    std::array<Eigen::Vector3f, kMaximumUsers> squares;
+    squares.fill(Eigen::Vector3f::Zero());
     for (std::size_t i = 0; i < kCloudCells; ++i) {
         if (labels_[i] == 0) continue;
-        Component& sum = sums[labels_[i] - 1U];
+        const std::size_t k = labels_[i] - 1U;
+        Component& sum = sums[k];
         const Eigen::Vector3f point = cloud.point(i);
         sum.lower = sum.cells == 0 ? point : sum.lower.cwiseMin(point);
         sum.upper = sum.cells == 0 ? point : sum.upper.cwiseMax(point);
         sum.centroid += point;
+        squares[k] += (point - people_[k].centroid).cwiseAbs2();
         ++sum.cells;
     }
     for (std::size_t k = 0; k < kMaximumUsers; ++k) {
@@ -294,7 +305,19 @@ void People::measurePeople(const Cloud& cloud, hal::TimePoint time) {
         const Component& sum = sums[k];
         person.seen = person.id != 0 && sum.cells > 60;
         if (!person.seen) continue;
-        person.centroid = sum.centroid / static_cast<float>(sum.cells);
+        const auto cells = static_cast<float>(sum.cells);
+        const Eigen::Vector3f before = person.centroid;
+        person.centroid = sum.centroid / cells;
+        person.spread = (squares[k] / cells - (person.centroid - before).cwiseAbs2()).cwiseMax(0.0F).cwiseSqrt();
+        const auto elapsed = static_cast<float>(hal::seconds(time - person.measured));
+        if (elapsed > 0.0F && elapsed < 0.5F) {
+            const float weight = 1.0F - std::exp(-elapsed / kVelocitySpan);
+            person.velocity += weight * ((person.centroid - person.measuredAt) / elapsed - person.velocity);
+        } else {
+            person.velocity.setZero();
+        }
+        person.measured = time;
+        person.measuredAt = person.centroid;
         person.lastSeen = time;
         if ((person.centroid - person.birthplace).head<3>().norm() > kWalkedMetres) person.walked = true;
         if ((person.centroid - person.restingPlace).norm() > kMovedMetres) {
@@ -311,6 +334,7 @@ void People::measurePeople(const Cloud& cloud, hal::TimePoint time) {
         }
         person.user = User{.id = person.id,
                            .centroid = person.centroid,
+                           .velocity = person.velocity,
                            .lower = sum.lower,
                            .upper = sum.upper,
                            .pixels = sum.cells * 4,
@@ -318,20 +342,46 @@ void People::measurePeople(const Cloud& cloud, hal::TimePoint time) {
     }
 }
 
+float People::coveredShare(const Person& front, const Person& back) {
+    if (front.user.upper.z() > back.user.upper.z()) return -1.0F;
+    const float left = std::max(front.user.lower.x() / front.centroid.z(), back.user.lower.x() / back.centroid.z());
+    const float right = std::min(front.user.upper.x() / front.centroid.z(), back.user.upper.x() / back.centroid.z());
+    const float breadth = (back.user.upper.x() - back.user.lower.x()) / back.centroid.z();
+    return breadth > 0.0F ? (right - left) / breadth : -1.0F;
+}
+
+void People::findTheLiving(const Cloud& cloud) {
+    for (Person& person : people_) {
+        if (!person.seen || person.alive) continue;
+        // Whoever passes before a mannequin changes what is seen of it.
+        constexpr float kNear = -0.3F;
+        const bool disturbed = std::any_of(people_.begin(), people_.end(), [&](const Person& other) {
+            return other.seen && other.id != person.id && coveredShare(other, person) > kNear;
+        });
+        const Eigen::Vector3f centroid = 1e-3F * cloud.placement.toSensor(person.centroid);
+        // At first the shop about them is still being told apart.
+        constexpr int kSettled = 4;
+        person.settled = disturbed ? 0 : person.settled + 1;
+        if (person.settled <= kSettled) {
+            person.firstCentroid = centroid;
+            person.firstSpread = person.spread;
+        }
+        // Shoes and the floor about them come and go; nobody stirs straight up and down.
+        const Eigen::Vector3f gone = centroid - person.firstCentroid;
+        const Eigen::Vector3f grown = person.spread - person.firstSpread;
+        person.alive = person.walked || std::hypot(gone.x(), gone.z()) > kStirredMetres ||
+                       std::hypot(grown.x(), grown.z()) > kStirredMetres;
+    }
+}
+
 void People::findTheHidden(hal::TimePoint time) {
     // Whoever stands before somebody covers the same directions, as the sensor sees it from the glass.
-    const auto covers = [](const Person& front, const Person& back) {
-        if (front.user.upper.z() > back.user.upper.z()) return false;
-        const float left = std::max(front.user.lower.x() / front.centroid.z(), back.user.lower.x() / back.centroid.z());
-        const float right =
-            std::min(front.user.upper.x() / front.centroid.z(), back.user.upper.x() / back.centroid.z());
-        return right - left > 0.4F * (back.user.upper.x() - back.user.lower.x()) / back.centroid.z();
-    };
+    constexpr float kCovers = 0.4F;
     for (Person& person : people_) {
         if (person.id == 0) continue;
         const bool before = person.hidden;
         person.hidden = !person.seen && std::any_of(people_.begin(), people_.end(), [&](const Person& other) {
-            return other.id != 0 && other.seen && other.id != person.id && covers(other, person);
+            return other.id != 0 && other.seen && other.id != person.id && coveredShare(other, person) > kCovers;
         });
         if (!person.hidden) continue;
         if (!before) person.hiddenSince = time;
@@ -349,22 +399,22 @@ void People::chooseActive(hal::TimePoint time) {
     users_.count = 0;
     const Person* nearest = nullptr;
     const Person* held = nullptr;
-    // Whoever has walked comes before what has stood still since it was first seen: that may be a mannequin yet.
-    const auto better = [](const Person& a, const Person& b) {
-        return a.walked != b.walked ? a.walked : a.centroid.z() < b.centroid.z();
+    const auto counts = [&](const Person& person) {
+        return person.alive || (person.wasThere && hal::seconds(time - person.firstSeen) <= kDoubtSeconds);
     };
     for (const Person& person : people_) {
         if (person.id == 0) continue;
         if (person.id == activeId_) held = &person;
         if (!person.seen) continue;
         users_.users[users_.count++] = person.user;
-        if (zone_.contains(person.centroid) && (nearest == nullptr || better(person, *nearest))) nearest = &person;
+        if (zone_.contains(person.centroid) && counts(person) &&
+            (nearest == nullptr || person.centroid.z() < nearest->centroid.z())) {
+            nearest = &person;
+        }
     }
-    const bool gone = held == nullptr || hal::seconds(time - held->lastSeen) > kDwellSeconds ||
+    const bool gone = held == nullptr || !counts(*held) || hal::seconds(time - held->lastSeen) > kDwellSeconds ||
                       (held->seen && !zone_.contains(held->centroid));
-    const bool doubtful = held != nullptr && !held->walked && nearest != nullptr && nearest->walked &&
-                          hal::seconds(time - held->lastMoved) > kDoubtSeconds;
-    if (gone || doubtful) activeId_ = nearest == nullptr ? 0 : nearest->id;
+    if (gone) activeId_ = nearest == nullptr ? 0 : nearest->id;
     users_.activeId = activeId_;
 }
 

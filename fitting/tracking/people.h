@@ -58,11 +58,21 @@ class People {
     struct Person {
         std::uint32_t id = 0;
         Eigen::Vector3f centroid = Eigen::Vector3f::Zero();
+        Eigen::Vector3f velocity = Eigen::Vector3f::Zero();    ///< Metres a second.
+        Eigen::Vector3f measuredAt = Eigen::Vector3f::Zero();  ///< Where the centroid was last measured,
+        hal::TimePoint measured{};                             ///< … and when.
         Eigen::Vector3f birthplace = Eigen::Vector3f::Zero();
         Eigen::Vector3f restingPlace = Eigen::Vector3f::Zero();  ///< Where the centroid last came to rest.
         hal::TimePoint lastSeen{};
-        hal::TimePoint lastMoved{};    ///< When it last left its resting place.
-        bool walked = false;           ///< Left its birthplace at some time: no shop mannequin.
+        hal::TimePoint lastMoved{};                        ///< When it last left its resting place.
+        bool walked = false;                               ///< Left its birthplace at some time: no shop mannequin.
+        Eigen::Vector3f spread = Eigen::Vector3f::Zero();  ///< Of its surface about the centroid: deviations, metres.
+        /// Both as first seen with nobody near; the centroid in the sensor frame, in metres.
+        Eigen::Vector3f firstCentroid = Eigen::Vector3f::Zero(), firstSpread = Eigen::Vector3f::Zero();
+        int settled = 0;        ///< Frames in a row with nobody near.
+        bool alive = false;     ///< They have changed since.
+        bool wasThere = false;  ///< In the first frame of all.
+        hal::TimePoint firstSeen{};
         bool seen = false;             ///< In this frame.
         hal::TimePoint hiddenSince{};  ///< When somebody began to stand before them, while unseen.
         bool hidden = false;
@@ -76,6 +86,9 @@ class People {
     }
     void findForeground(const Cloud& cloud, bool floorKnown);
     void assignComponents(const Cloud& cloud);
+    /// How much of one person's breadth another before them covers, as the sensor sees it; negative: how far beside.
+    static float coveredShare(const Person& front, const Person& back);
+    void findTheLiving(const Cloud& cloud);
     void findTheHidden(hal::TimePoint time);
     void adopt(std::size_t component, hal::TimePoint time);
     void attachFragments();
@@ -99,7 +112,7 @@ class People {
     std::uint32_t nextId_ = 1;
     std::uint32_t activeId_ = 0;
     hal::TimePoint lastTime_{};
-    bool started_ = false;
+    bool started_ = false, first_ = false;
     Users users_;
 };
 

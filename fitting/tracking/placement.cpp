@@ -3,16 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fitting/tracking/floor_search.h"
+
 namespace cheval::fitting::tracking {
 namespace {
 
 constexpr float kRadiansPerDegree = 3.14159265F / 180.0F;
 constexpr float kMostTiltCorrection = 3.0F * kRadiansPerDegree;
 constexpr float kMostHeightCorrection = 0.10F;
-/// Without a written mount the floor may be anywhere within these.
-constexpr float kMostTiltUnknown = 15.0F * kRadiansPerDegree;
-constexpr float kMostHeightUnknown = 0.60F;
 constexpr std::uint32_t kLeastSupport = 400;
+/// What lies this far under a floor that was found shows that it is a table; noise does not reach there.
+constexpr float kUnderFloor = 0.20F;
+/// After so many fits that show no floor, or a table, a floor that was found is searched for anew.
+constexpr std::uint32_t kMostDoubts = 5;
 constexpr std::uint32_t kFramesAtFirst = 15;
 constexpr std::uint32_t kFramesBetweenFits = 30;
 
@@ -43,6 +46,14 @@ SensorPlacement placementFrom(const MountEstimate& mount) {
     return placement;
 }
 
+MountEstimate mountOver(const SensorPlacement& placement, const Eigen::Vector3f& normal, const Eigen::Vector3f& point) {
+    // Up in the sensor frame: the middle row of Rx(tilt)·Rz(roll).
+    const Eigen::Vector3f up = placement.rotation.transpose() * normal;
+    return {.height = normal.dot(placement.translation - point),
+            .tilt = std::asin(std::clamp(up.z(), -1.0F, 1.0F)),
+            .roll = std::atan2(up.x(), up.y())};
+}
+
 void FloorFitJob::run() {
     found = false;
     // The plane y = a + b·x + c·z in the mirror frame that the present mount makes.
@@ -51,7 +62,7 @@ void FloorFitJob::run() {
     for (int round = 0; round < 3; ++round, reach *= 0.5F) {
         Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
         Eigen::Vector3d right = Eigen::Vector3d::Zero();
-        support = 0;
+        support = under = 0;
         // The floor lies in the lower part of the picture and fills it densely: every other cell is plenty.
         for (int row = kCloudHeight / 3; row < kCloudHeight; row += 2) {
             for (int column = 0; column < kCloudWidth; column += 2) {
@@ -59,6 +70,7 @@ void FloorFitJob::run() {
                 const float z = cloud->z[i];
                 if (cloud->depth[i] <= 0.0F || z > 4.5F) continue;
                 const double off = cloud->y[i] - (plane[0] + plane[1] * cloud->x[i] + plane[2] * z);
+                if (off < -kUnderFloor) ++under;
                 if (std::abs(off) > reach) continue;
                 const Eigen::Vector3d basis(1.0, cloud->x[i], z);
                 normal += basis * basis.transpose();
@@ -73,48 +85,65 @@ void FloorFitJob::run() {
         plane = normal.ldlt().solve(right);
         if (!plane.allFinite()) return;
     }
-    corrected.height = mount.height - static_cast<float>(plane[0]);
-    corrected.tilt = mount.tilt - static_cast<float>(std::atan(plane[2]));
-    corrected.roll = mount.roll + static_cast<float>(std::atan(plane[1]));
+    const Eigen::Vector3f slopes = plane.cast<float>();
+    corrected = mountOver(cloud->placement, Eigen::Vector3f(-slopes[1], 1.0F, -slopes[2]).normalized(),
+                          Eigen::Vector3f(0.0F, slopes[0], 0.0F));
     found = true;
 }
 
 PlacementFilter::PlacementFilter(const hal::Mount& mount)
-    : initial_(mountEstimateFrom(mount)),
-      mount_(initial_),
-      placement_(placementFrom(initial_)),
+    : written_(mountEstimateFrom(mount)),
+      initial_(written_),
+      mount_(written_),
+      placement_(placementFrom(written_)),
       writtenDown_(mount.known) {}
 
 void PlacementFilter::reset() {
-    mount_ = initial_;
+    initial_ = mount_ = written_;
     placement_ = placementFrom(mount_);
-    floorSeen_ = false;
     frames_ = 0;
     fits_ = 0;
+    floorSeen_ = false;
+    doubts_ = 0;
 }
 
-void PlacementFilter::update(const Cloud& cloud) {
+bool PlacementFilter::update(const Cloud& cloud) {
     const bool due = frames_ < kFramesAtFirst || frames_ % kFramesBetweenFits == 0;
     ++frames_;
-    if (!due) return;
-    FloorFitJob fit{.cloud = &cloud, .mount = mount_, .band = writtenDown_ || floorSeen_ ? 0.12F : 0.25F};
-    if (!fit.isValid()) return;
+    if (!due) return false;
+    if (!floorKnown()) {
+        FloorSearchJob search{.cloud = &cloud, .seed = frames_};
+        if (!search.isValid()) return false;
+        search.run();
+        if (!search.found) return false;
+        // What it finds is looked at more closely from the next frame on.
+        floorSeen_ = true;
+        initial_ = mount_ = search.mount;
+        placement_ = placementFrom(mount_);
+        return true;
+    }
+    FloorFitJob fit{.cloud = &cloud};
+    if (!fit.isValid()) return false;
     fit.run();
-    if (!fit.found) return;
-    const float tiltBound = writtenDown_ ? kMostTiltCorrection : kMostTiltUnknown;
-    const float heightBound = writtenDown_ ? kMostHeightCorrection : kMostHeightUnknown;
-    if (std::abs(fit.corrected.tilt - initial_.tilt) > tiltBound ||
-        std::abs(fit.corrected.roll - initial_.roll) > tiltBound ||
-        std::abs(fit.corrected.height - initial_.height) > heightBound) {
-        return;
+    const bool doubtful = !fit.found || 4 * fit.under > fit.support;
+    doubts_ = doubtful ? doubts_ + 1 : 0;
+    if (doubts_ >= kMostDoubts && !writtenDown_) {
+        reset();
+        return false;
+    }
+    if (!fit.found) return false;
+    if (std::abs(fit.corrected.tilt - initial_.tilt) > kMostTiltCorrection ||
+        std::abs(fit.corrected.roll - initial_.roll) > kMostTiltCorrection ||
+        std::abs(fit.corrected.height - initial_.height) > kMostHeightCorrection) {
+        return false;
     }
     ++fits_;
-    floorSeen_ = true;
     const float weight = std::max(0.05F, 1.0F / static_cast<float>(fits_));
     mount_.height += weight * (fit.corrected.height - mount_.height);
     mount_.tilt += weight * (fit.corrected.tilt - mount_.tilt);
     mount_.roll += weight * (fit.corrected.roll - mount_.roll);
     placement_ = placementFrom(mount_);
+    return false;
 }
 
 }  // namespace cheval::fitting::tracking

@@ -22,28 +22,34 @@ MountEstimate mountEstimateFrom(const hal::Mount& mount);
 /// changes sign, since the mirror frame is right-handed.
 SensorPlacement placementFrom(const MountEstimate& mount);
 
+/// The mount of a sensor placed at `placement` when the floor is the plane through `point` with this upward unit
+/// normal, both in the mirror frame that this placement makes.
+MountEstimate mountOver(const SensorPlacement& placement, const Eigen::Vector3f& normal, const Eigen::Vector3f& point);
+
 /// Fits the floor's plane to the points near where it is expected (least squares, three rounds, each with a narrower
 /// band) and turns it into a corrected mount. Invalid without a cloud of its declared size.
 struct FloorFitJob {
-    const Cloud* cloud = nullptr;  ///< Made with `mount`.
-    MountEstimate mount;           ///< What the cloud was made with.
+    const Cloud* cloud = nullptr;  ///< Made with the placement that is expected.
     float band = 0.12F;            ///< Metres above and below the expected floor that are looked at first.
 
     MountEstimate corrected;    ///< Out: valid only if found.
     bool found = false;         ///< Out.
-    std::uint32_t support = 0;  ///< Out: points on the plane.
+    std::uint32_t support = 0;  ///< Out: points on the plane,
+    std::uint32_t under = 0;    ///< … and far under it.
 
     [[nodiscard]] bool isValid() const { return cloud != nullptr && cloud->isValid() && band > 0.0F; }
     void run();
 };
 
 /// Keeps the mount estimate over time: corrections are averaged, and bounded about what was written down. Where nothing
-/// was written down and no floor is seen, floorKnown() stays false: heights are then only relative. Thread-bound.
+/// was written down the floor is searched for; until one is seen, floorKnown() stays false: heights are then only
+/// relative. Thread-bound.
 class PlacementFilter {
   public:
     explicit PlacementFilter(const hal::Mount& mount);
-    /// Looks at every frame at first, then now and then. The result counts from the next frame on.
-    void update(const Cloud& cloud);
+    /// Looks at every frame at first, then now and then. The result counts from the next frame on, unless this returns
+    /// true: a floor was found where none was known, and the cloud's places are wrong.
+    bool update(const Cloud& cloud);
     void reset();
 
     [[nodiscard]] const SensorPlacement& placement() const { return placement_; }
@@ -51,13 +57,15 @@ class PlacementFilter {
     [[nodiscard]] bool floorKnown() const { return writtenDown_ || floorSeen_; }
 
   private:
-    MountEstimate initial_;
+    MountEstimate written_;
+    MountEstimate initial_;  ///< As written, or as first found: corrections are bounded about it.
     MountEstimate mount_;
     SensorPlacement placement_;
     bool writtenDown_ = false;
     bool floorSeen_ = false;
     std::uint32_t frames_ = 0;
     std::uint32_t fits_ = 0;
+    std::uint32_t doubts_ = 0;  ///< Fits in a row that showed no floor there.
 };
 
 }  // namespace cheval::fitting::tracking

@@ -209,9 +209,9 @@ void TorsoFitJob::placeJoints() {
     pose.left = (pose.left - pose.up * pose.up.dot(pose.left)).normalized();
     pose.forward = pose.left.cross(pose.up);
 
-    // A point of the spine, `share` of the stature below the crown.
-    const auto spine = [&](float share, float headWeight) -> Eigen::Vector3f {
-        const float y = pose.crown - share * pose.stature * pose.up.y();
+    // A point of the spine, `drop` metres below the crown.
+    const auto spine = [&](float drop, float headWeight) -> Eigen::Vector3f {
+        const float y = pose.crown - drop * pose.up.y();
         const float line = middle + slope * (y - pose.crown);
         const float x = line + headWeight * (pose.head.x() - line);
         const float skin = pose.surface[0] + pose.surface[1] * line + pose.surface[2] * y;
@@ -221,13 +221,17 @@ void TorsoFitJob::placeJoints() {
     const float front =
         pose.surface[0] + pose.surface[1] * (middle + slope * (chest - pose.crown)) + pose.surface[2] * chest;
     pose.halfDepth = (pose.head.z() - front) / pose.stature + kTrunkBehindHead;
-    pose.neck = spine(proportion::kNeck, 0.5F);
-    const Eigen::Vector3f shoulder = spine(proportion::kShoulder, 0.3F);
-    const Eigen::Vector3f hip = spine(proportion::kHip, 0.0F);
-    pose.shoulders[index(Side::left)] = shoulder + pose.left * (proportion::kShoulderHalfBreadth * pose.stature);
-    pose.shoulders[index(Side::right)] = shoulder - pose.left * (proportion::kShoulderHalfBreadth * pose.stature);
-    pose.hips[index(Side::left)] = hip + pose.left * (proportion::kHipHalfBreadth * pose.stature);
-    pose.hips[index(Side::right)] = hip - pose.left * (proportion::kHipHalfBreadth * pose.stature);
+    const BodyLengths size = usualLengths(pose.stature);
+    const float neck = size[index(BodyLength::headDrop)];
+    const float trunk = size[index(BodyLength::trunk)];
+    pose.neck = spine(neck, 0.5F);
+    const Eigen::Vector3f shoulder = spine(neck + kShoulderDrop * trunk, 0.3F);
+    const Eigen::Vector3f hip = spine(neck + trunk, 0.0F);
+    for (const Side side : {Side::left, Side::right}) {
+        const Eigen::Vector3f aside = outwards(side) * pose.left;
+        pose.shoulders[index(side)] = shoulder + size[index(BodyLength::shoulderHalfBreadth)] * aside;
+        pose.hips[index(side)] = hip + size[index(BodyLength::hipHalfBreadth)] * aside;
+    }
 }
 
 }  // namespace cheval::fitting::tracking

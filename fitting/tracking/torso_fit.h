@@ -11,22 +11,6 @@
 
 namespace cheval::fitting::tracking {
 
-/// Where joints lie in a standing person, in shares of the stature (hair included, as the sensor sees it). Adults of
-/// either sex differ from these by about 0.01; Drillis and Contini's segment lengths (Winter, Biomechanics and Motor
-/// Control of Human Movement, 4th ed., figure 4.1), with joint centres in place of landmarks.
-namespace proportion {
-inline constexpr float kHead = 0.070F;  ///< Crown to the centre of the head.
-inline constexpr float kNeck = 0.150F;  ///< Crown to the neck's base.
-inline constexpr float kShoulder = 0.209F;
-inline constexpr float kHip = 0.478F;
-inline constexpr float kShoulderHalfBreadth = 0.103F;
-inline constexpr float kHipHalfBreadth = 0.061F;
-inline constexpr float kUpperArm = 0.150F;
-inline constexpr float kForearm = 0.179F;  ///< Elbow to the centre of the palm.
-inline constexpr float kThigh = 0.238F;
-inline constexpr float kShank = 0.248F;
-}  // namespace proportion
-
 /// The trunk in one frame. Mirror frame, metres. `left` points to the person's left, `up` from hips to neck, `forward`
 /// out of the chest; orthonormal (right-handed: left × up = forward).
 struct TorsoPose {

@@ -92,7 +92,10 @@ void Tracker::track(const hal::DepthFrame& frame) {
     }
     points.run();
     state.view.update(&state.cloud, frame.captureTime);
-    state.placement.update(state.cloud);
+    if (state.placement.update(state.cloud)) {
+        points.placement = state.placement.placement();
+        points.run();
+    }
     state.people.update(state.cloud, frame.captureTime, state.placement.floorKnown());
     state.users = state.people.users();
     state.drawMap(frame);
