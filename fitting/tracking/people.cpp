@@ -13,6 +13,10 @@ constexpr float kFloorBand = 0.045F;
 constexpr float kZoneMargin = 0.7F;
 /// Shoes may return no depth; legs begin at least this near the floor.
 constexpr float kStandsWithin = 0.32F;
+/// Height of a child that can just stand, and above which nothing goes on four legs.
+constexpr float kSmallest = 0.72F;
+constexpr float kSurelyUpright = 1.05F;
+constexpr int kAnimalFrames = 4;
 constexpr float kWalkedMetres = 0.35F;
 /// What has never walked and has not changed its outline for this long is a mannequin.
 constexpr double kMannequinSeconds = 10.0;
@@ -37,11 +41,19 @@ bool looksLikePerson(const Component& component, bool floorKnown) {
     const Eigen::Vector3f size = component.upper - component.lower;
     if (component.area < 0.07F || component.area > 1.5F) return false;
     if (size.y() < 0.40F || size.x() > 2.1F || size.z() > 1.6F) return false;
-    if (component.upper.y() < 0.6F || component.upper.y() > 2.45F) return false;
+    if (component.upper.y() < (floorKnown ? kSmallest : 0.6F) || component.upper.y() > 2.45F) return false;
+    if (floorKnown && looksLikeAnimal(component)) return false;
     if (floorKnown && component.lower.y() > kStandsWithin && !component.touchesBottom) return false;
     // Somebody hides what is behind them; a piece of wall between an arm and a body is itself half hidden.
     if (component.behind > component.before) return false;
     return !looksLikeScenery(component);
+}
+
+bool looksLikeAnimal(const Component& component) {
+    const Eigen::Vector3f size = component.upper - component.lower;
+    // What is low and long goes on four legs; small children are upright. Half of a dog is not long.
+    return component.upper.y() < kSurelyUpright &&
+           (component.touchesLeft || component.touchesRight || std::hypot(size.x(), size.z()) > 0.9F * size.y());
 }
 
 bool looksLikeScenery(const Component& component) {
@@ -119,7 +131,7 @@ void People::update(const Cloud& cloud, hal::TimePoint time, bool floorKnown) {
     }
     attachFragments();
     labelCells(cloud);
-    measurePeople(cloud, time);
+    measurePeople(cloud, time, floorKnown);
     findTheLiving(cloud);
 
     std::copy(cloud.depth.begin(), cloud.depth.end(), previousDepth_.begin());
@@ -285,7 +297,7 @@ void People::labelCells(const Cloud& cloud) {
     }
 }
 
-void People::measurePeople(const Cloud& cloud, hal::TimePoint time) {
+void People::measurePeople(const Cloud& cloud, hal::TimePoint time, bool floorKnown) {
     std::array<Component, kMaximumUsers> sums{};
     std::array<Eigen::Vector3f, kMaximumUsers> squares;
     squares.fill(Eigen::Vector3f::Zero());
@@ -323,6 +335,15 @@ void People::measurePeople(const Cloud& cloud, hal::TimePoint time) {
         if ((person.centroid - person.restingPlace).norm() > kMovedMetres) {
             person.restingPlace = person.centroid;
             person.lastMoved = time;
+        }
+        // From the front a dog may look like a small child, for a moment.
+        person.tallest = std::max(person.tallest, sum.upper.y());
+        const float length = std::hypot(sum.upper.x() - sum.lower.x(), sum.upper.z() - sum.lower.z());
+        const bool low = person.tallest < kSurelyUpright && length > 0.9F * (sum.upper.y() - sum.lower.y());
+        person.lowFrames = low && floorKnown ? person.lowFrames + 1 : 0;
+        if (person.lowFrames > kAnimalFrames) {
+            person = Person{};
+            continue;
         }
         if (!person.walked && hal::seconds(time - person.lastMoved) > kMannequinSeconds) {
             // Stands like furniture: let the background have it.

@@ -30,6 +30,8 @@ struct Zone {
 /// shelf's, and, where the floor is known, by standing on it or being cut by the picture's lower edge (clothes on a
 /// rail hang). Children and people in wheelchairs included.
 bool looksLikePerson(const Component& component, bool floorKnown);
+/// True for what is too low for its length to stand on two legs, or may be once it is wholly in view. The floor known.
+bool looksLikeAnimal(const Component& component);
 /// True for what can only be a wall, a rack or furniture.
 bool looksLikeScenery(const Component& component);
 
@@ -69,6 +71,8 @@ class People {
         Eigen::Vector3f spread = Eigen::Vector3f::Zero();  ///< Of its surface about the centroid: deviations, metres.
         /// Both as first seen with nobody near; the centroid in the sensor frame, in metres.
         Eigen::Vector3f firstCentroid = Eigen::Vector3f::Zero(), firstSpread = Eigen::Vector3f::Zero();
+        float tallest = 0.0F;   ///< The highest that was ever seen of it.
+        int lowFrames = 0;      ///< In a row that showed something low and long.
         int settled = 0;        ///< Frames in a row with nobody near.
         bool alive = false;     ///< They have changed since.
         bool wasThere = false;  ///< In the first frame of all.
@@ -93,7 +97,7 @@ class People {
     void adopt(std::size_t component, hal::TimePoint time);
     void attachFragments();
     void labelCells(const Cloud& cloud);
-    void measurePeople(const Cloud& cloud, hal::TimePoint time);
+    void measurePeople(const Cloud& cloud, hal::TimePoint time, bool floorKnown);
     void judgeCells(const Cloud& cloud);
     void forgetTheGone(hal::TimePoint time);
     void chooseActive(hal::TimePoint time);
