@@ -159,6 +159,42 @@ void checkOutfits(LoadedSettings& loaded) {
     }
 }
 
+/// Of two settings that do not go together, the one that a file sets, so that the problem can point at a line.
+std::string_view whoeverWasSet(const LoadedSettings& loaded, std::string_view path, std::string_view other) {
+    const auto said = [&](std::string_view any) { return !loaded.origins[rowOf(any)].file.empty(); };
+    return said(path) || !said(other) ? path : other;
+}
+
+void checkGestures(LoadedSettings& loaded) {
+    const auto& gestures = loaded.settings.gestures;
+    const bool endsFirst = gestures.swipeEndSpeed > gestures.swipeStartSpeed;
+    const bool startsAbovePeak = gestures.swipeStartSpeed > gestures.swipePeakSpeed;
+    if (endsFirst) {
+        refuse(loaded, whoeverWasSet(loaded, "gestures.swipe_end_speed", "gestures.swipe_start_speed"),
+               "a swipe would be over before it begins",
+               "make gestures.swipe_end_speed at most gestures.swipe_start_speed",
+               "a hand just fast enough to start a swipe would be slow enough to end it, and none would count");
+    }
+    if (startsAbovePeak) {
+        refuse(loaded, whoeverWasSet(loaded, "gestures.swipe_peak_speed", "gestures.swipe_start_speed"),
+               "a swipe would start faster than it need be at its fastest",
+               "make gestures.swipe_peak_speed at least gestures.swipe_start_speed",
+               "whatever starts would be fast enough, and swipe_peak_speed would do nothing");
+    }
+    if (endsFirst || startsAbovePeak) {
+        restore(loaded, "gestures.swipe_end_speed");
+        restore(loaded, "gestures.swipe_start_speed");
+        restore(loaded, "gestures.swipe_peak_speed");
+    }
+    if (gestures.grabClosedLeastSeconds >= gestures.grabClosedLongestSeconds) {
+        refuse(loaded, whoeverWasSet(loaded, "gestures.grab_closed_least_s", "gestures.grab_closed_longest_s"),
+               "a grab would have to last longer than it may",
+               "make gestures.grab_closed_least_s less than gestures.grab_closed_longest_s", "no grab would count");
+        restore(loaded, "gestures.grab_closed_least_s");
+        restore(loaded, "gestures.grab_closed_longest_s");
+    }
+}
+
 /// Each rule that is broken also puts its settings back to their defaults, so that what is left goes together.
 void checkTogether(LoadedSettings& loaded) {
     const Settings& settings = loaded.settings;
@@ -186,6 +222,7 @@ void checkTogether(LoadedSettings& loaded) {
         restore(loaded, "zone.near_m");
         restore(loaded, "zone.far_m");
     }
+    checkGestures(loaded);
     const std::size_t before = loaded.problems.size();
     checkOutfits(loaded);
     if (loaded.problems.size() != before) {

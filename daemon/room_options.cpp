@@ -16,6 +16,22 @@ hal::Mount sensorMount(const config::Settings& settings, const hal::Mount& decla
             .known = true};
 }
 
+fitting::GestureOptions gestureOptions(const config::Settings& settings) {
+    const auto& gestures = settings.gestures;
+    return {.swipeStartSpeed = static_cast<float>(gestures.swipeStartSpeed),
+            .swipeEndSpeed = static_cast<float>(gestures.swipeEndSpeed),
+            .swipePeakSpeed = static_cast<float>(gestures.swipePeakSpeed),
+            .swipeDistance = static_cast<float>(gestures.swipeDistance),
+            .swipeSteepest = static_cast<float>(gestures.swipeSteepest),
+            .swipeLongest = static_cast<float>(gestures.swipeLongestSeconds),
+            .grabOpenBefore = static_cast<float>(gestures.grabOpenBeforeSeconds),
+            .grabClosedLeast = static_cast<float>(gestures.grabClosedLeastSeconds),
+            .grabClosedLongest = static_cast<float>(gestures.grabClosedLongestSeconds),
+            .raiseHold = static_cast<float>(gestures.raiseHoldSeconds),
+            .raiseRest = static_cast<float>(gestures.raiseRestSeconds),
+            .walkingSpeed = static_cast<float>(gestures.walkingSpeed)};
+}
+
 fitting::TrackerOptions trackerOptions(const config::Settings& settings, const hal::Mount& declared) {
     hal::Mount mount = sensorMount(settings, declared);
     // A sensor turned clockwise sees the world turned the other way.
@@ -24,7 +40,8 @@ fitting::TrackerOptions trackerOptions(const config::Settings& settings, const h
     return {.mount = mount,
             .zoneNearMetres = static_cast<float>(settings.zone.nearMetres),
             .zoneFarMetres = static_cast<float>(settings.zone.farMetres),
-            .zoneHalfWidthMetres = static_cast<float>(settings.zone.halfWidthMetres)};
+            .zoneHalfWidthMetres = static_cast<float>(settings.zone.halfWidthMetres),
+            .gestures = gestureOptions(settings)};
 }
 
 SessionOptions sessionOptions(const config::Settings& settings, const Wardrobe& wardrobe) {

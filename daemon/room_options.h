@@ -25,6 +25,7 @@ namespace cheval::daemon {
 /// How the sensor hangs: `declared` is what the camera says of its own mount; it counts where the settings leave the
 /// height at 0.
 hal::Mount sensorMount(const config::Settings& settings, const hal::Mount& declared);
+fitting::GestureOptions gestureOptions(const config::Settings& settings);
 /// `declared` as for sensorMount().
 fitting::TrackerOptions trackerOptions(const config::Settings& settings, const hal::Mount& declared);
 SessionOptions sessionOptions(const config::Settings& settings, const Wardrobe& wardrobe);

@@ -81,7 +81,7 @@ void GestureReader::watchSwipe(HandWatch& watch, const Moment& now, const Eigen:
     const Eigen::Vector2f way = at - watch.from;
     if (!raised || lasted >= options_.swipeLongest || watch.peak < options_.swipePeakSpeed) return;
     if (way.x() * watch.direction < options_.swipeDistance) return;
-    if (std::abs(way.y()) > options_.swipeUpright * std::abs(way.x())) return;
+    if (std::abs(way.y()) > options_.swipeSteepest * std::abs(way.x())) return;
     append(hands, {.kind = GestureKind::swipe,
                    .hand = side,
                    .direction = watch.direction > 0.0F ? SwipeDirection::left : SwipeDirection::right,
@@ -112,7 +112,7 @@ void GestureReader::watchGrab(HandWatch& watch, const Moment& now, const Hand& h
             break;
         case Grab::closed:
             if (hand.state != HandState::open) break;
-            if (lasted >= options_.grabClosedLeast && lasted <= options_.grabClosedMost) {
+            if (lasted >= options_.grabClosedLeast && lasted <= options_.grabClosedLongest) {
                 append(hands, {.kind = GestureKind::grab,
                                .hand = side,
                                .start = watch.grabStart.time,

@@ -6,26 +6,11 @@
 
 #include "fitting/hands.h"
 #include "fitting/skeleton.h"
+#include "fitting/tracking/gesture_options.h"
 #include "hal/clock.h"
 #include "hal/frame.h"
 
 namespace cheval::fitting::tracking {
-
-/// Thresholds. Lengths and speeds are in shares of the stature, so that a child and an adult, near or far, swipe alike.
-struct GestureOptions {
-    float swipeStartSpeed = 0.45F;  ///< Statures a second sideways that begin a stroke,
-    float swipeEndSpeed = 0.25F;    ///< … and end it,
-    float swipePeakSpeed = 0.65F;   ///< … and must be reached in between.
-    float swipeDistance = 0.16F;    ///< Statures sideways at least.
-    float swipeUpright = 0.75F;     ///< Most up or down, as a share of sideways.
-    float swipeLongest = 0.9F;      ///< Seconds.
-    float grabOpenBefore = 0.12F;   ///< Seconds a raised hand is open first,
-    float grabClosedLeast = 0.10F;  ///< … then closed at least,
-    float grabClosedMost = 3.0F;    ///< … and at most, before it opens again.
-    float raiseHold = 0.20F;        ///< Seconds above the shoulder.
-    float raiseRest = 0.30F;        ///< Seconds below it before another raise counts.
-    float walkingSpeed = 0.30F;     ///< Statures a second of the neck: who walks does not gesture.
-};
 
 /// Watches both hands. One gesture, one event, reported in the frame that completes it. Thread-bound.
 class GestureReader {

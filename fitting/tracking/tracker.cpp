@@ -22,6 +22,7 @@ struct Tracker::State {
           people(Zone{.nearMetres = options.zoneNearMetres,
                       .farMetres = options.zoneFarMetres,
                       .halfWidthMetres = options.zoneHalfWidthMetres}),
+          gestures(options.gestures),
           map(static_cast<std::size_t>(kFrameWidth) * kFrameHeight) {}
 
     void reset() {

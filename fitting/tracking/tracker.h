@@ -6,6 +6,7 @@
 
 #include "fitting/hands.h"
 #include "fitting/skeleton.h"
+#include "fitting/tracking/gesture_options.h"
 #include "fitting/users.h"
 #include "hal/frame.h"
 
@@ -16,6 +17,7 @@ struct TrackerOptions {
     float zoneNearMetres = 0.5F;  ///< The zone in which a person is dressed: distance from the glass …
     float zoneFarMetres = 4.5F;
     float zoneHalfWidthMetres = 1.5F;  ///< … and to either side of the display's centre.
+    GestureOptions gestures;
 };
 
 /// Tracking with state across frames. Thread-bound. After construction no call takes heap memory.

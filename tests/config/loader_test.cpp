@@ -111,6 +111,16 @@ INSTANTIATE_TEST_SUITE_P(
                 "sensor.folder"},
         BadText{"previewNotEnabled", "[display]\nkind = \"preview\"\n", 2, "display.kind", "not enabled",
                 "preview.enabled"},
+        BadText{"swipeOverBeforeItBegins", "[gestures]\nswipe_end_speed = 0.5\n", 2, "gestures.swipe_end_speed",
+                "over before it begins", "at most gestures.swipe_start_speed"},
+        BadText{"swipeThatCannotBegin", "[gestures]\nswipe_start_speed = 0.2\n", 2, "gestures.swipe_start_speed",
+                "over before it begins", "at most gestures.swipe_start_speed"},
+        BadText{"swipeStartAboveItsPeak", "[gestures]\nswipe_start_speed = 0.7\n", 2, "gestures.swipe_start_speed",
+                "faster than it need be", "at least gestures.swipe_start_speed"},
+        BadText{"swipePeakUnderItsStart", "[gestures]\nswipe_peak_speed = 0.4\n", 2, "gestures.swipe_peak_speed",
+                "faster than it need be", "at least gestures.swipe_start_speed"},
+        BadText{"grabLongerThanItMay", "[gestures]\n\ngrab_closed_longest_s = 0.1\n", 3,
+                "gestures.grab_closed_longest_s", "longer than it may", "less than gestures.grab_closed_longest_s"},
         BadText{"zoneInsideOut", "[zone]\nnear_m = 5.0\nfar_m = 1.0\n", 2, "zone.near_m", "ends before", "less"}),
     [](const testing::TestParamInfo<BadText>& parameter) { return parameter.param.name; });
 
@@ -204,6 +214,21 @@ TEST(Loader, keepsWhatItUnderstoodFitToBeUsedTogether) {
     EXPECT_EQ(loaded.settings.display.width, 1080);
     EXPECT_LT(loaded.settings.zone.nearMetres, loaded.settings.zone.farMetres);
     EXPECT_EQ(loaded.settings.wardrobe.garments, defaultSettings().wardrobe.garments);
+}
+
+TEST(Loader, takesGesturesThatDoNotGoTogetherAllBackToTheirDefaults) {
+    const LoadedSettings loaded = loadSettingsText(
+        "[gestures]\nswipe_start_speed = 0.2\nswipe_end_speed = 0.3\nswipe_peak_speed = 0.3\nswipe_distance = 0.2\n"
+        "grab_closed_least_s = 5\n",
+        "a.toml");
+    EXPECT_EQ(loaded.problems.size(), 2U) << "one a rule";
+    const auto& gestures = loaded.settings.gestures;
+    const auto& usual = defaultSettings().gestures;
+    EXPECT_EQ(gestures.swipeStartSpeed, usual.swipeStartSpeed);
+    EXPECT_EQ(gestures.swipeEndSpeed, usual.swipeEndSpeed);
+    EXPECT_EQ(gestures.swipePeakSpeed, usual.swipePeakSpeed);
+    EXPECT_EQ(gestures.swipeDistance, 0.2) << "what goes with the others stays";
+    EXPECT_EQ(gestures.grabClosedLeastSeconds, usual.grabClosedLeastSeconds);
 }
 
 TEST(Loader, acceptsWholeNumbersWhereNumbersAreMeant) {

@@ -1,0 +1,47 @@
+#include "daemon/room_options.h"
+
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+#include "config/loader.h"
+#include "config/settings_table.h"
+
+namespace cheval::daemon {
+namespace {
+
+auto values(const fitting::GestureOptions& options) {
+    return std::make_tuple(options.swipeStartSpeed, options.swipeEndSpeed, options.swipePeakSpeed,
+                           options.swipeDistance, options.swipeSteepest, options.swipeLongest, options.grabOpenBefore,
+                           options.grabClosedLeast, options.grabClosedLongest, options.raiseHold, options.raiseRest,
+                           options.walkingSpeed);
+}
+
+TEST(RoomOptions, TheSettingsDefaultsAreTheGesturesOwn) {
+    EXPECT_EQ(values(trackerOptions(config::defaultSettings(), {}).gestures), values(fitting::GestureOptions{}));
+}
+
+TEST(RoomOptions, EachGestureSettingReachesTheTracker) {
+    const config::LoadedSettings loaded = config::loadSettingsText(
+        "[gestures]\nswipe_start_speed = 0.5\nswipe_end_speed = 0.125\nswipe_peak_speed = 0.75\n"
+        "swipe_distance = 0.25\nswipe_steepest = 1.5\nswipe_longest_s = 2\ngrab_open_before_s = 0.375\n"
+        "grab_closed_least_s = 0.625\ngrab_closed_longest_s = 4\nraise_hold_s = 0.875\nraise_rest_s = 1.25\n"
+        "walking_speed = 1.75\n",
+        "a.toml");
+    ASSERT_TRUE(loaded.good()) << loaded.problems.front().message();
+    EXPECT_EQ(values(trackerOptions(loaded.settings, {}).gestures), values({.swipeStartSpeed = 0.5F,
+                                                                            .swipeEndSpeed = 0.125F,
+                                                                            .swipePeakSpeed = 0.75F,
+                                                                            .swipeDistance = 0.25F,
+                                                                            .swipeSteepest = 1.5F,
+                                                                            .swipeLongest = 2.0F,
+                                                                            .grabOpenBefore = 0.375F,
+                                                                            .grabClosedLeast = 0.625F,
+                                                                            .grabClosedLongest = 4.0F,
+                                                                            .raiseHold = 0.875F,
+                                                                            .raiseRest = 1.25F,
+                                                                            .walkingSpeed = 1.75F}));
+}
+
+}  // namespace
+}  // namespace cheval::daemon
