@@ -27,6 +27,7 @@ fitting::GestureOptions gestureOptions(const config::Settings& settings) {
             .grabOpenBefore = static_cast<float>(gestures.grabOpenBeforeSeconds),
             .grabClosedLeast = static_cast<float>(gestures.grabClosedLeastSeconds),
             .grabClosedLongest = static_cast<float>(gestures.grabClosedLongestSeconds),
+            .grabLowest = static_cast<float>(gestures.grabLowest),
             .raiseHold = static_cast<float>(gestures.raiseHoldSeconds),
             .raiseRest = static_cast<float>(gestures.raiseRestSeconds),
             .walkingSpeed = static_cast<float>(gestures.walkingSpeed)};

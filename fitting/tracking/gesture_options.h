@@ -13,8 +13,9 @@ struct GestureOptions {
     float swipeSteepest = 0.75F;     ///< Most up or down, as a share of sideways.
     float swipeLongest = 0.9F;       ///< Seconds.
     float grabOpenBefore = 0.12F;    ///< Seconds a raised hand is open first,
-    float grabClosedLeast = 0.10F;   ///< … then closed at least,
+    float grabClosedLeast = 0.20F;   ///< … then closed at least,
     float grabClosedLongest = 3.0F;  ///< … and at most, before it opens again; more than grabClosedLeast.
+    float grabLowest = -0.15F;       ///< Statures above the neck at least, when it opens.
     float raiseHold = 0.20F;         ///< Seconds above the shoulder.
     float raiseRest = 0.30F;         ///< Seconds below it before another raise counts.
     float walkingSpeed = 0.30F;      ///< Statures a second of the neck: who walks does not gesture.

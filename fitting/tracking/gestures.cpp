@@ -8,6 +8,8 @@ namespace {
 /// Seconds over which the velocities of hands and of the whole person are averaged.
 constexpr float kVelocitySpan = 0.05F;
 constexpr float kWalkSpan = 0.25F;
+/// Mean confidence of a hand that is closed to grab.
+constexpr float kSurelyClosed = 0.7F;
 
 void append(Hands& hands, const GestureEvent& event) {
     if (hands.gestureCount < kMaximumGestures) hands.gestures[hands.gestureCount++] = event;
@@ -55,7 +57,8 @@ void GestureReader::update(const hal::DepthFrame& frame, const Skeleton& skeleto
         watch.last = at;
         watch.seen = true;
         watchSwipe(watch, now, at, hand.raised, side, hands);
-        watchGrab(watch, now, hand, side, hands);
+        if (watch.grab == Grab::closed) watch.sureness += hand.confidence * elapsed;
+        watchGrab(watch, now, at, hand, side, hands);
         const Joint shoulder = side == Side::left ? Joint::leftShoulder : Joint::rightShoulder;
         watchRaise(watch, now, hand.raised && hand.position.y() > skeleton[shoulder].position.y(), side, hands);
     }
@@ -91,7 +94,8 @@ void GestureReader::watchSwipe(HandWatch& watch, const Moment& now, const Eigen:
                    .endFrame = now.frame});
 }
 
-void GestureReader::watchGrab(HandWatch& watch, const Moment& now, const Hand& hand, Side side, Hands& hands) const {
+void GestureReader::watchGrab(HandWatch& watch, const Moment& now, const Eigen::Vector2f& at, const Hand& hand,
+                              Side side, Hands& hands) const {
     if (!hand.raised || hand.state == HandState::unknown) {
         watch.grab = Grab::idle;
         return;
@@ -108,11 +112,14 @@ void GestureReader::watchGrab(HandWatch& watch, const Moment& now, const Hand& h
             if (hand.state == HandState::closed) {
                 watch.grab = lasted >= options_.grabOpenBefore ? Grab::closed : Grab::idle;
                 watch.grabStart = now;
+                watch.sureness = 0.0F;
             }
             break;
         case Grab::closed:
             if (hand.state != HandState::open) break;
-            if (lasted >= options_.grabClosedLeast && lasted <= options_.grabClosedLongest) {
+            // Hands that talk do so before the chest, half closed.
+            if (lasted >= options_.grabClosedLeast && lasted <= options_.grabClosedLongest &&
+                at.y() >= options_.grabLowest && watch.sureness >= kSurelyClosed * lasted) {
                 append(hands, {.kind = GestureKind::grab,
                                .hand = side,
                                .start = watch.grabStart.time,

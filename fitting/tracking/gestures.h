@@ -39,6 +39,7 @@ class GestureReader {
         // Grab.
         Grab grab = Grab::idle;
         Moment grabStart;
+        float sureness = 0.0F;  ///< Confidence that it is closed, summed over the seconds that it has been.
         // Raise.
         bool up = false, counted = false;
         Moment upSince, downSince;
@@ -50,7 +51,8 @@ class GestureReader {
 
     void watchSwipe(HandWatch& watch, const Moment& now, const Eigen::Vector2f& at, bool raised, Side side,
                     Hands& hands) const;
-    void watchGrab(HandWatch& watch, const Moment& now, const Hand& hand, Side side, Hands& hands) const;
+    void watchGrab(HandWatch& watch, const Moment& now, const Eigen::Vector2f& at, const Hand& hand, Side side,
+                   Hands& hands) const;
     void watchRaise(HandWatch& watch, const Moment& now, bool up, Side side, Hands& hands) const;
 
     GestureOptions options_;

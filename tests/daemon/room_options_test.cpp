@@ -13,8 +13,8 @@ namespace {
 auto values(const fitting::GestureOptions& options) {
     return std::make_tuple(options.swipeStartSpeed, options.swipeEndSpeed, options.swipePeakSpeed,
                            options.swipeDistance, options.swipeSteepest, options.swipeLongest, options.grabOpenBefore,
-                           options.grabClosedLeast, options.grabClosedLongest, options.raiseHold, options.raiseRest,
-                           options.walkingSpeed);
+                           options.grabClosedLeast, options.grabClosedLongest, options.grabLowest, options.raiseHold,
+                           options.raiseRest, options.walkingSpeed);
 }
 
 TEST(RoomOptions, TheSettingsDefaultsAreTheGesturesOwn) {
@@ -25,7 +25,8 @@ TEST(RoomOptions, EachGestureSettingReachesTheTracker) {
     const config::LoadedSettings loaded = config::loadSettingsText(
         "[gestures]\nswipe_start_speed = 0.5\nswipe_end_speed = 0.125\nswipe_peak_speed = 0.75\n"
         "swipe_distance = 0.25\nswipe_steepest = 1.5\nswipe_longest_s = 2\ngrab_open_before_s = 0.375\n"
-        "grab_closed_least_s = 0.625\ngrab_closed_longest_s = 4\nraise_hold_s = 0.875\nraise_rest_s = 1.25\n"
+        "grab_closed_least_s = 0.625\ngrab_closed_longest_s = 4\ngrab_lowest = -0.25\nraise_hold_s = "
+        "0.875\nraise_rest_s = 1.25\n"
         "walking_speed = 1.75\n",
         "a.toml");
     ASSERT_TRUE(loaded.good()) << loaded.problems.front().message();
@@ -38,6 +39,7 @@ TEST(RoomOptions, EachGestureSettingReachesTheTracker) {
                                                                             .grabOpenBefore = 0.375F,
                                                                             .grabClosedLeast = 0.625F,
                                                                             .grabClosedLongest = 4.0F,
+                                                                            .grabLowest = -0.25F,
                                                                             .raiseHold = 0.875F,
                                                                             .raiseRest = 1.25F,
                                                                             .walkingSpeed = 1.75F}));

@@ -21,6 +21,7 @@ struct Script {
     std::function<Eigen::Vector3f(float)> at;
     std::function<HandState(float)> state = [](float) { return HandState::open; };
     std::function<bool(float)> raised = [](float) { return true; };
+    float confidence = 1.0F;  ///< Of the hand's state.
 };
 
 std::vector<GestureEvent> play(const Script& script) {
@@ -40,6 +41,7 @@ std::vector<GestureEvent> play(const Script& script) {
         Hand& hand = hands[Side::right];
         const Eigen::Vector3f at = script.at(time);
         hand.position = skeleton[Joint::neck].position + script.stature * Eigen::Vector3f(at.x(), at.y(), -at.z());
+        hand.confidence = script.confidence;
         hand.state = script.state(time);
         hand.raised = script.raised(time);
         hands[Side::left].position = script.place + Eigen::Vector3f(-0.2F, 0.5F, 0.0F) * script.stature;
@@ -122,6 +124,15 @@ TEST(Grab, IsNotAFlickerAFistThatStaysOrALowHand) {
                       .state = [](float t) { return closedBetween(t, 0.5F, 1.0F); },
                       .raised = [](float t) { return t < 0.8F; }})
                     .empty());
+}
+
+TEST(Grab, IsNotAHandThatTalks) {
+    const auto opensAgain = [](float t) { return closedBetween(t, 0.5F, 1.0F); };
+    const auto beforeTheChest = [](float) -> Eigen::Vector3f { return kRightSide - Eigen::Vector3f(0.0F, 0.1F, 0.0F); };
+    EXPECT_TRUE(play({.at = beforeTheChest, .state = opensAgain}).empty());
+    const auto still = [](float) { return kRightSide; };
+    EXPECT_TRUE(play({.at = still, .state = opensAgain, .confidence = 0.4F}).empty()) << "half closed";
+    EXPECT_EQ(play({.at = still, .state = opensAgain, .confidence = 0.8F}).size(), 1U);
 }
 
 TEST(Raise, CountsOnceUntilTheHandWasDown) {
