@@ -85,6 +85,36 @@ ArticulatedPose mirrored(ArticulatedPose pose) {
     return pose;
 }
 
+TEST(ArticulatedPose, TurnedRoundIsTheSameOutlineWithItsSidesExchanged) {
+    const ArticulatedPose pose = aPose();
+    const ArticulatedPose turned = pose.turnedRound();
+    EXPECT_LT((turned.forward() + pose.forward()).norm(), 1e-6F);
+    EXPECT_NEAR(turned.axes.determinant(), 1.0F, 1e-5F);
+    for (const Side side : {Side::left, Side::right}) {
+        const Side other = side == Side::left ? Side::right : Side::left;
+        EXPECT_LT((turned.shoulder(side) - pose.shoulder(other)).norm(), 1e-5F);
+        EXPECT_LT((turned.hand(side) - pose.hand(other)).norm(), 1e-5F);
+        EXPECT_LT((turned.knee(side) - pose.knee(other)).norm(), 1e-5F);
+        EXPECT_LT((turned.foot(side) - pose.foot(other)).norm(), 1e-5F);
+    }
+    const ArticulatedPose again = turned.turnedRound();
+    EXPECT_TRUE(again.axes.isApprox(pose.axes));
+    EXPECT_LT((again.hand(Side::left) - pose.hand(Side::left)).norm(), 1e-5F);
+}
+
+TEST(ArticulatedPose, CrossedLegsThatAreExchangedStandOnTheirOwnSides) {
+    const ArticulatedPose straight = aPose();
+    EXPECT_FALSE(straight.legsCrossed());
+    const ArticulatedPose crossed = straight.withLegsExchanged();
+    EXPECT_TRUE(crossed.legsCrossed());
+    // Each foot comes near the place of the other; bones keep their lengths.
+    for (const Side side : {Side::left, Side::right}) {
+        const Side other = side == Side::left ? Side::right : Side::left;
+        EXPECT_LT((crossed.foot(side) - straight.foot(other)).norm(), 0.08F);
+    }
+    EXPECT_FALSE(crossed.withLegsExchanged().legsCrossed());
+}
+
 TEST(BodyFit, IsInvalidWithoutCloudOutlineOrPoints) {
     const DrawnBody drawn(aPose());
     BodyFitJob job = jobFor(drawn, aPose());

@@ -43,7 +43,7 @@ TEST_P(Visit, IsFollowedFromWalkInToWalkOut) {
         ++found;
         if (user != 0 && user != skeleton.userId) ++changes;
         user = skeleton.userId;
-        // People walk in and out in profile, which this tracker does not claim to follow.
+        // Of people in profile one side is hidden.
         const auto forward = [](const Skeleton& s) -> Eigen::Vector3f {
             return s[Joint::torso].orientation * Eigen::Vector3f::UnitZ();
         };
@@ -94,6 +94,71 @@ TEST(Visit, NobodyIsSeenBeforeTheVisitAndNobodyAfter) {
     }
     EXPECT_TRUE(came);
     EXPECT_FALSE(tracker.skeleton().present());
+}
+
+/// Plays a script of the simulated kiosk and looks at the tracker after each frame.
+template <typename Look>
+void play(hal::sim::Script script, std::uint32_t seed, double seconds, const Look& look) {
+    hal::VirtualClock clock;
+    const auto world = hal::sim::makeWorld({.seed = seed,
+                                            .framesPerSecond = kFramesPerSecond,
+                                            .colour = false,
+                                            .script = script,
+                                            .visitSeconds = seconds});
+    const auto camera = hal::sim::makeSimulatedCamera(world, clock);
+    ASSERT_TRUE(camera->open().hasValue());
+    Tracker tracker(TrackerOptions{.mount = camera->info().mount});
+    for (int i = 0; i < static_cast<int>(seconds * kFramesPerSecond); ++i) {
+        hal::DepthFrame frame;
+        ASSERT_EQ(camera->waitFrame(std::chrono::seconds(1), frame), hal::FrameStatus::frame);
+        tracker.track(frame);
+        look(tracker, hal::sim::truthAt(*world, i / kFramesPerSecond), i / kFramesPerSecond);
+    }
+}
+
+TEST(Visit, AMannequinIsNobodyButTheShopperBesideItIsSomebody) {
+    int wrong = 0, nobody = 0, shopper = 0, present = 0;
+    play(hal::sim::Script::mannequin, 8001, 6.0, [&](const Tracker& tracker, const auto& truth, double time) {
+        const User* active = tracker.users().active();
+        if (time < 0.6) return;  // It was there first: it has half a second to stir.
+        const hal::sim::FigureTruth& person = truth.figures[0];
+        if (!person.inRoom) {
+            wrong += active != nullptr ? 1 : 0;
+            ++nobody;
+        } else if (person.whollyInView) {
+            ++present;
+            const float away =
+                active == nullptr ? 1e3F : std::abs(active->centroid.x() - person.skeleton[Joint::torso].position.x());
+            shopper += away < 0.3F ? 1 : 0;
+        }
+    });
+    EXPECT_EQ(wrong, 0);
+    ASSERT_GT(nobody, 10);
+    ASSERT_GT(present, 20);
+    EXPECT_GT(shopper, present * 9 / 10);
+}
+
+TEST(Visit, ADogIsNobody) {
+    int active = 0;
+    play(hal::sim::Script::dog, 9001, 6.0,
+         [&](const Tracker& tracker, const auto&, double) { active += tracker.users().active() != nullptr ? 1 : 0; });
+    EXPECT_EQ(active, 0);
+}
+
+TEST(Visit, WhoeverWalksInSidewaysLooksWhereTheyGo) {
+    int walking = 0, right = 0;
+    play(hal::sim::Script::resting, 2022, 3.0, [&](const Tracker& tracker, const auto& truth, double) {
+        const User* active = tracker.users().active();
+        if (!truth.present || active == nullptr || !tracker.skeleton().present()) return;
+        const auto forward = [](const Skeleton& s) -> Eigen::Vector3f {
+            return s[Joint::torso].orientation * Eigen::Vector3f::UnitZ();
+        };
+        if (std::abs(forward(truth.skeleton).x()) < 0.85F) return;
+        ++walking;
+        right += forward(tracker.skeleton()).dot(forward(truth.skeleton)) > 0.5F ? 1 : 0;
+    });
+    ASSERT_GT(walking, 5);
+    EXPECT_EQ(right, walking);
 }
 
 }  // namespace
