@@ -23,7 +23,7 @@ Expected<HandsReport> readHands(const std::string& folder) {
     hal::DepthFrame frame;
     while (true) {
         const hal::FrameStatus status = camera.waitFrame(std::chrono::seconds(1), frame);
-        if (status == hal::FrameStatus::timedOut) continue;
+        // A folder has its next picture at once, or none.
         if (status != hal::FrameStatus::frame) break;
         const fitting::tracking::LoneHandReader::Reading reading = reader.read(frame);
         report.readings.push_back({.name = camera.pictureName(frame.sourceIndex),

@@ -159,14 +159,4 @@ std::size_t convexHull(std::span<const Cell> points, std::span<Cell> sorted, std
     return count - 1;
 }
 
-long doubledArea(std::span<const Cell> polygon) {
-    long sum = 0;
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-        const Cell& a = polygon[i];
-        const Cell& b = polygon[(i + 1) % polygon.size()];
-        sum += static_cast<long>(a.x) * b.y - static_cast<long>(b.x) * a.y;
-    }
-    return sum;
-}
-
 }  // namespace cheval::fitting::tracking

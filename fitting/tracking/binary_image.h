@@ -45,7 +45,4 @@ std::size_t traceContour(const HandMask& mask, std::span<Cell> contour);
 /// `sorted` is scratch as long as `points`; `hull` one longer. Returns the number of corners.
 std::size_t convexHull(std::span<const Cell> points, std::span<Cell> sorted, std::span<Cell> hull);
 
-/// Twice the signed area of a polygon of cell centres.
-long doubledArea(std::span<const Cell> polygon);
-
 }  // namespace cheval::fitting::tracking

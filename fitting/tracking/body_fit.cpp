@@ -29,11 +29,9 @@ constexpr float kRobust = 0.055F;         ///< Beyond this a point counts ever l
 constexpr float kBoneSpread = 0.020F;
 /// Exchanged legs explain the same points: only this tells them from the right ones.
 constexpr float kCrossedCost = 2.0F;
-/// How much of the forward direction may point away from the glass, and away from where a person walks who goes
-/// sideways by so many metres a second.
+/// How much of the forward direction may point away from the glass, and away from where a person walks.
 constexpr float kTurnedAway = 0.35F;
 constexpr float kWalkedAway = 0.20F;
-constexpr float kWalking = 0.35F;
 constexpr float kSettled = 0.004F;
 constexpr float kHopeless = 1.6F;
 /// Of the ankle's joint above the floor, in shares of the leg's two bones.
@@ -160,7 +158,7 @@ void Linear::partPoint(Row& row, const BodySurface::Place& at, const Eigen::Vect
     }
     const auto number = static_cast<int>(part) - static_cast<int>(BodyPart::leftUpperArm);
     const Side side = number % 2 == 0 ? Side::left : Side::right;
-    const int kind = number / 2;  // 0 upper arm, 1 thigh, 2 forearm, 3 shank, 4 at.
+    const int kind = number / 2;  // 0 upper arm, 1 thigh, 2 forearm, 3 shank, 4 foot.
     const bool leg = kind % 2 == 1 || kind == 4;
     const float upperLength = pose.length(leg ? BodyLength::thigh : BodyLength::upperArm);
     const float lowerLength = pose.length(leg ? BodyLength::shank : BodyLength::forearm);

@@ -12,6 +12,9 @@
 
 namespace cheval::fitting::tracking {
 
+/// Who goes sideways by this many metres a second or more walks, and looks where they go or at the glass.
+inline constexpr float kWalking = 0.35F;
+
 /// Refines a pose: Gauss-Newton with damping over trunk, head, limbs and the person's sizes. Each depth point pulls the
 /// nearest part's surface (robustly: Geman and McClure), bones outside the outline or in the air before the surface are
 /// pushed back, and what bodies usually do holds what nothing shows. After Ganapathi, Plagemann, Koller, Thrun

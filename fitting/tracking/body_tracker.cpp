@@ -17,16 +17,17 @@ constexpr float kUsualHalfDepth = 0.066F;
 
 /// In a person's first frames nobody knows which way they face.
 constexpr int kNewFrames = 6;
+constexpr float kNoFit = 1e9F;
 /// Another pose must cost less than this share of what the pose that was followed costs.
 constexpr float kSteadiness = 0.96F;
 /// A forward direction with this much along z, or more, is no longer towards the glass.
 constexpr float kProfile = -0.35F;
 constexpr float kTurned = 1.3F;  ///< Radians to either side that are tried then.
-/// Metres a second sideways, and how much of the forward direction points that way at least.
-constexpr float kWalking = 0.4F;
+/// How much of the forward direction points where a person walks sideways, at least.
 constexpr float kLooksAside = 0.5F;
 /// Someone whose crown is this much lower than before bends or sits: it says nothing about stature.
 constexpr float kBending = 0.07F;
+constexpr int kBendingFrames = 60;
 
 constexpr float kSeen = 0.9F;
 constexpr float kHidden = 0.3F;
@@ -52,7 +53,7 @@ void BodyTracker::reset() {
     hem_.reset();
     userId_ = 0;
     stature_ = 0.0F;
-    statureFrames_ = 0;
+    statureFrames_ = lowerFrames_ = 0;
     halfDepth_ = kUsualHalfDepth;
 }
 
@@ -82,7 +83,8 @@ void BodyTracker::update(const Cloud& cloud, std::span<const std::uint8_t> label
     }
     learnStature(floorKnown);
     learnHalfDepth();
-    fitBody(cloud, user, floorKnown);
+    known_ = fitBody(cloud, user, floorKnown);
+    if (!known_) return;
     fillSkeleton(cloud, time, skeleton);
 }
 
@@ -92,7 +94,12 @@ void BodyTracker::learnStature(bool floorKnown) {
         return;
     }
     const float seen = std::clamp(torso_.crown, 0.9F, 2.2F);
-    if (statureFrames_ > 0 && seen < stature_ - kBending) return;
+    if (statureFrames_ > 0 && seen < stature_ - kBending) {
+        // Nobody bends for so long: what was seen first was too tall.
+        if (++lowerFrames_ < kBendingFrames) return;
+        statureFrames_ = 0;
+    }
+    lowerFrames_ = 0;
     ++statureFrames_;
     const float weight = 1.0F / static_cast<float>(std::min(statureFrames_, kStatureFrames));
     stature_ += weight * (seen - stature_);
@@ -148,7 +155,7 @@ void BodyTracker::tryFrom(const ArticulatedPose& start, BodyFitJob& job, Articul
     best = job.pose;
 }
 
-void BodyTracker::fitBody(const Cloud& cloud, const User& user, bool floorKnown) {
+bool BodyTracker::fitBody(const Cloud& cloud, const User& user, bool floorKnown) {
     collectPoints(cloud);
     const BodyLengths usual = usualLengths(torso_.stature);
     if (sizeFrames_ == 0) size_ = usual;
@@ -165,8 +172,8 @@ void BodyTracker::fitBody(const Cloud& cloud, const User& user, bool floorKnown)
                    .spread = lengthSpread(torso_.stature, floorKnown),
                    .learnt = sizeFrames_ > 0 ? &size_ : nullptr};
     ArticulatedPose best;
-    float cost = 1e9F;
-    if (!job.isValid()) return;
+    float cost = kNoFit;
+    if (!job.isValid()) return false;
     if (known_) {
         tryFrom(before, job, best, cost);
         // In profile front and back look alike.
@@ -188,10 +195,11 @@ void BodyTracker::fitBody(const Cloud& cloud, const User& user, bool floorKnown)
         turned.arms = {};
         tryFrom(turned, job, best, cost);
     }
+    if (cost >= kNoFit) return false;
     body_ = best;
-    known_ = true;
     hem_.look(cloud, silhouette_, body_);
     learnSize();
+    return true;
 }
 
 float BodyTracker::confidenceOf(const Cloud& cloud, const Eigen::Vector3f& position, float depthAllowed) const {

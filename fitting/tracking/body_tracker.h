@@ -28,9 +28,6 @@ class BodyTracker {
     void update(const Cloud& cloud, std::span<const std::uint8_t> labels, const User& user, bool floorKnown,
                 hal::TimePoint time, Skeleton& skeleton);
 
-    /// The body of the last frame in which it was found.
-    [[nodiscard]] const ArticulatedPose& body() const { return body_; }
-    [[nodiscard]] const Silhouette& silhouette() const { return silhouette_; }
     /// The stature that proportions are taken of, metres.
     [[nodiscard]] float stature() const { return stature_; }
 
@@ -41,7 +38,8 @@ class BodyTracker {
     void learnHalfDepth();
     void learnSize();
     void collectPoints(const Cloud& cloud);
-    void fitBody(const Cloud& cloud, const User& user, bool floorKnown);
+    /// False where nothing fits.
+    bool fitBody(const Cloud& cloud, const User& user, bool floorKnown);
     void tryFrom(const ArticulatedPose& start, BodyFitJob& job, ArticulatedPose& best, float& cost) const;
     [[nodiscard]] float confidenceOf(const Cloud& cloud, const Eigen::Vector3f& position, float depthAllowed) const;
     void fillSkeleton(const Cloud& cloud, hal::TimePoint time, Skeleton& skeleton);
@@ -58,7 +56,7 @@ class BodyTracker {
     std::array<PointFilter, kJointCount> filters_{};
     std::uint32_t userId_ = 0;
     float stature_ = 0.0F;
-    int statureFrames_ = 0;
+    int statureFrames_ = 0, lowerFrames_ = 0;
     float halfDepth_ = 0.0F;  ///< Of the trunk, in shares of the stature.
     hal::TimePoint lastTime_{};
 };

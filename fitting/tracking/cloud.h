@@ -1,6 +1,7 @@
 // The depth picture at half size, as points in the mirror frame: what all of tracking but the hands works on.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -60,7 +61,8 @@ struct Cloud {
 };
 
 /// Fills a cloud from a 640×480 picture: each cell takes the mean of those of its four pixels that lie on the nearest
-/// surface among them. Invalid with a picture of another size or a focal length that is not positive.
+/// surface among them. Invalid with a picture of another size, or intrinsics that are not finite or have no focal
+/// length.
 struct CloudJob {
     hal::ImageView<const std::uint16_t> depth;
     hal::Intrinsics intrinsics;
@@ -69,7 +71,8 @@ struct CloudJob {
 
     [[nodiscard]] bool isValid() const {
         return cloud != nullptr && cloud->isValid() && !depth.empty() && depth.width == kFrameWidth &&
-               depth.height == kFrameHeight && intrinsics.fx > 0.0F && intrinsics.fy > 0.0F;
+               depth.height == kFrameHeight && intrinsics.fx > 0.0F && intrinsics.fy > 0.0F &&
+               std::isfinite(intrinsics.fx + intrinsics.fy + intrinsics.cx + intrinsics.cy);
     }
     void run() const;
 };

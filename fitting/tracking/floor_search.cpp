@@ -11,7 +11,7 @@ namespace {
 /// Every so many cells, in columns and rows, are looked at.
 constexpr int kStep = 7;
 constexpr std::size_t kMostPoints = static_cast<std::size_t>(kCloudWidth / kStep + 1) * (kCloudHeight / kStep + 1);
-/// Planes tried. Where a third of the lower half of the picture is floor, the chance to miss it is 1 %.
+/// Planes tried. Where a third of the lower half of the view is floor, the chance to miss it is 1 %.
 constexpr int kPlanes = 120;
 constexpr float kFarthest = 5.0F;
 /// A point under the floor speaks against it as much as three on it speak for it.
@@ -26,19 +26,21 @@ void FloorSearchJob::run() {
     found = false;
     std::array<Eigen::Vector3f, kMostPoints> points;
     std::size_t count = 0;
-    std::size_t lower = 0;  // The first point of the picture's lower half: floors are seen there.
     for (int row = kStep / 2; row < kCloudHeight; row += kStep) {
-        if (row < kCloudHeight / 2) lower = count;
         for (int column = kStep / 2; column < kCloudWidth; column += kStep) {
             const std::size_t i = cellIndex(column, row);
             if (cloud->depth[i] > 0.0F && cloud->depth[i] < kFarthest) points[count++] = cloud->point(i);
         }
     }
-    if (count < lower + 3) return;
+    // Floors are seen in the lower half of the view.
+    const Eigen::Vector3f eye = cloud->placement.translation;
+    const auto middle = std::partition(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count),
+                                       [&](const Eigen::Vector3f& point) { return point.y() < eye.y(); });
+    const auto lower = static_cast<std::size_t>(middle - points.begin());
+    if (lower < 3) return;
 
     std::minstd_rand random(seed);
-    const auto draw = [&] { return points[lower + random() % (count - lower)]; };
-    const Eigen::Vector3f eye = cloud->placement.translation;
+    const auto draw = [&] { return points[random() % lower]; };
     float best = kLeastShare * static_cast<float>(count);
     for (int plane = 0; plane < kPlanes; ++plane) {
         const Eigen::Vector3f a = draw();
@@ -50,7 +52,7 @@ void FloorSearchJob::run() {
         if (normal.y() < 0.0F) normal = -normal;
         const MountEstimate seen = mountOver(cloud->placement, normal, a);
         if (seen.height < kLowest || seen.height > kHighest || std::abs(seen.tilt) > kMostTilt ||
-            std::abs(seen.roll) > kMostRoll) {
+            std::abs(between(roll, seen.roll)) > kMostRoll) {
             continue;
         }
         float score = 0.0F;

@@ -13,6 +13,7 @@ namespace cheval::fitting::tracking {
 /// same floor. Exact to a few centimetres: FloorFitJob does the rest. Invalid without a cloud of its declared size.
 struct FloorSearchJob {
     const Cloud* cloud = nullptr;
+    float roll = 0.0F;       ///< The sensor's, about as it is mounted; radians.
     std::uint32_t seed = 1;  ///< Another one looks at other planes.
 
     MountEstimate mount;  ///< Out: as the floor shows it; valid only if found.
@@ -21,7 +22,8 @@ struct FloorSearchJob {
     [[nodiscard]] bool isValid() const { return cloud != nullptr && cloud->isValid(); }
     void run();
 
-    /// Where a sensor may be: metres above the floor, and radians from level.
+    /// Where a sensor may be: metres above the floor, and radians from level
+    /// and from the roll that is expected.
     static constexpr float kLowest = 0.6F;
     static constexpr float kHighest = 2.6F;
     static constexpr float kMostTilt = 0.61F;

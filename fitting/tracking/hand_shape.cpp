@@ -49,9 +49,6 @@ void HandShapeJob::run() {
     const std::span<const Cell> contour(context->contour.data(), context->contourSize);
     context->hullSize = convexHull(contour, context->sorted, context->hull);
     if (context->hullSize < 3) return;
-    const auto hullArea = static_cast<float>(std::labs(doubledArea({context->hull.data(), context->hullSize})));
-    const auto area = static_cast<float>(std::labs(doubledArea(contour)));
-    shape.solidity = hullArea > 0.0F ? area / hullArea : 1.0F;
     measureGaps();
     countFingers();
     shape.valid = true;
@@ -129,7 +126,6 @@ void HandShapeJob::measureGaps() {
                 deepest = std::max(deepest, std::abs(side.x() * offset.y() - side.y() * offset.x()) / length);
             }
         }
-        shape.hullDepth = std::max(shape.hullDepth, deepest);
         if (deepest > shape.palmRadius / 3.0F) ++shape.deepGaps;
         from = to;
         gapStart = start + k;

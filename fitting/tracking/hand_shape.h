@@ -17,9 +17,7 @@ struct HandShape {
     Eigen::Vector2f palm = Eigen::Vector2f::Zero();  ///< Centre of the largest circle inside.
     float palmRadius = 0.0F;                         ///< Its radius.
     float fingerReach = 0.0F;  ///< From the palm's centre to the farthest point of the outline away from the arm.
-    float hullDepth = 0.0F;    ///< The greatest depth of the outline under its convex hull, away from the arm.
     int deepGaps = 0;          ///< Gaps deeper than a third of the palm's radius: between spread fingers.
-    float solidity = 1.0F;     ///< Area over the hull's area.
     int fingers = 0;           ///< Stretched ones: tips far from the palm with a dip to either side.
 };
 

@@ -75,7 +75,7 @@ struct Generator {
 /// Searches the two directions of a limb. The cost has four terms: depth points that no limb explains, bones in empty
 /// air, bones behind what is seen, and what bodies do not do. Starts are the pose before, the farthest points, and a
 /// small set of common poses; the best three that differ are each perturbed, and the winner ever more finely. Invalid
-/// without cloud and silhouette, or when `explained` and `points` differ in length.
+/// without cloud, silhouette and torso, or when `explained` and `points` differ in length.
 struct LimbFitJob {
     const Cloud* cloud = nullptr;
     const Silhouette* silhouette = nullptr;

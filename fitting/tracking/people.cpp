@@ -11,6 +11,8 @@ namespace {
 constexpr float kFloorBand = 0.045F;
 /// How far beyond the zone limbs may reach and people are still told apart from the wall.
 constexpr float kZoneMargin = 0.7F;
+/// So far beyond the zone whoever is being dressed has not left it yet.
+constexpr float kZoneEdge = 0.2F;
 /// Shoes may return no depth; legs begin at least this near the floor.
 constexpr float kStandsWithin = 0.32F;
 /// Height of a child that can just stand, and above which nothing goes on four legs.
@@ -126,6 +128,7 @@ void People::update(const Cloud& cloud, hal::TimePoint time, bool floorKnown) {
         person.seen = false;
     }
     assignComponents(cloud);
+    dropScenery(floorKnown);
     for (std::size_t i = 1; i <= componentCount_; ++i) {
         if (owner_[i] == 0 && looksLikePerson(components_[i], floorKnown)) adopt(i, time);
     }
@@ -200,6 +203,7 @@ void People::assignComponents(const Cloud& cloud) {
         // The same place at another depth is another thing: somebody who stepped in front, or the wall behind.
         const float behind = components_[i].centroid.z() - people_[person].centroid.z();
         if (people_[person].id == 0 || behind > kDeepestBehind || behind < -kFarthestBefore) continue;
+        if (!people_[person].alive && looksLikeScenery(components_[i])) continue;
         owner_[i] = static_cast<std::uint8_t>(person + 1);
         people_[person].seen = true;
         for (std::size_t other = 0; other < kMaximumUsers; ++other) {
@@ -208,6 +212,16 @@ void People::assignComponents(const Cloud& cloud) {
                 people_[other].seen = true;
             }
         }
+    }
+}
+
+void People::dropScenery(bool floorKnown) {
+    std::array<bool, kMaximumUsers> whole{};
+    for (std::size_t i = 1; i <= componentCount_; ++i) {
+        if (owner_[i] != 0 && looksLikePerson(components_[i], floorKnown)) whole[owner_[i] - 1U] = true;
+    }
+    for (std::size_t i = 1; i <= componentCount_; ++i) {
+        if (owner_[i] != 0 && whole[owner_[i] - 1U] && looksLikeScenery(components_[i])) owner_[i] = 0;
     }
 }
 
@@ -254,20 +268,26 @@ void People::attachFragments() {
     for (std::size_t i = 1; i <= componentCount_; ++i) {
         const Component& fragment = components_[i];
         if (owner_[i] != 0 || fragment.area > 0.15F || looksLikeScenery(fragment)) continue;
-        float nearest = 1e3F;
+        // Whose box is nearest decides, before anybody's reach does: another's arm is not this person's.
+        float nearest = 0.35F;
+        std::size_t closest = kMaximumUsers;
         for (std::size_t person = 0; person < kMaximumUsers; ++person) {
             if (boxes[person].isEmpty()) continue;
+            const float away = boxes[person].exteriorDistance(fragment.centroid);
+            if (away < nearest) {
+                nearest = away;
+                closest = person;
+            }
+        }
+        for (std::size_t person = 0; person < kMaximumUsers; ++person) {
+            if (boxes[person].isEmpty() || (closest != kMaximumUsers && person != closest)) continue;
             // Arms reach towards the sensor and to the sides; behind a person's back there is only scenery.
             Eigen::AlignedBox3f reach = boxes[person];
             reach.min() -= Eigen::Vector3f(0.15F, 0.10F, 0.55F);
             reach.max() += Eigen::Vector3f(0.15F, 0.20F, 0.05F);
             if (!reach.contains(fragment.centroid)) continue;
             if (fragment.centroid.z() > people_[person].centroid.z() + kDeepestBehind) continue;
-            const float away = (boxes[person].center() - fragment.centroid).norm();
-            if (away < nearest) {
-                nearest = away;
-                owner_[i] = static_cast<std::uint8_t>(person + 1);
-            }
+            owner_[i] = static_cast<std::uint8_t>(person + 1);
         }
     }
 }
@@ -331,7 +351,8 @@ void People::measurePeople(const Cloud& cloud, hal::TimePoint time, bool floorKn
         person.measured = time;
         person.measuredAt = person.centroid;
         person.lastSeen = time;
-        if ((person.centroid - person.birthplace).head<3>().norm() > kWalkedMetres) person.walked = true;
+        const Eigen::Vector3f way = person.centroid - person.birthplace;
+        if (std::hypot(way.x(), way.z()) > kWalkedMetres) person.walked = true;
         if ((person.centroid - person.restingPlace).norm() > kMovedMetres) {
             person.restingPlace = person.centroid;
             person.lastMoved = time;
@@ -341,15 +362,14 @@ void People::measurePeople(const Cloud& cloud, hal::TimePoint time, bool floorKn
         const float length = std::hypot(sum.upper.x() - sum.lower.x(), sum.upper.z() - sum.lower.z());
         const bool low = person.tallest < kSurelyUpright && length > 0.9F * (sum.upper.y() - sum.lower.y());
         person.lowFrames = low && floorKnown ? person.lowFrames + 1 : 0;
-        if (person.lowFrames > kAnimalFrames) {
-            person = Person{};
-            continue;
-        }
-        if (!person.walked && hal::seconds(time - person.lastMoved) > kMannequinSeconds) {
-            // Stands like furniture: let the background have it.
+        const bool still = !person.walked && hal::seconds(time - person.lastMoved) > kMannequinSeconds;
+        if (still || person.lowFrames > kAnimalFrames) {
             person = Person{};
             for (std::size_t i = 0; i < kCloudCells; ++i) {
-                if (labels_[i] == k + 1) labels_[i] = mask_[i] = 0;
+                if (labels_[i] != k + 1) continue;
+                labels_[i] = 0;
+                // What stands like furniture goes to the background.
+                if (still) mask_[i] = 0;
             }
             continue;
         }
@@ -434,7 +454,7 @@ void People::chooseActive(hal::TimePoint time) {
         }
     }
     const bool gone = held == nullptr || !counts(*held) || hal::seconds(time - held->lastSeen) > kDwellSeconds ||
-                      (held->seen && !zone_.contains(held->centroid));
+                      (held->seen && !zone_.contains(held->centroid, kZoneEdge));
     if (gone) activeId_ = nearest == nullptr ? 0 : nearest->id;
     users_.activeId = activeId_;
 }

@@ -21,8 +21,10 @@ struct Zone {
     float farMetres = 4.5F;
     float halfWidthMetres = 1.5F;
 
-    [[nodiscard]] bool contains(const Eigen::Vector3f& mirror) const {
-        return mirror.z() >= nearMetres && mirror.z() <= farMetres && std::abs(mirror.x()) <= halfWidthMetres;
+    /// Whether a place is in it, or no farther beyond it than `margin` metres.
+    [[nodiscard]] bool contains(const Eigen::Vector3f& mirror, float margin = 0.0F) const {
+        return mirror.z() >= nearMetres - margin && mirror.z() <= farMetres + margin &&
+               std::abs(mirror.x()) <= halfWidthMetres + margin;
     }
 };
 
@@ -41,7 +43,7 @@ class People {
     explicit People(const Zone& zone);
     void reset();
 
-    /// Reads a cloud; `time` is its capture time. Points under `floorBand` metres are floor.
+    /// Reads a cloud; `time` is its capture time. Where the floor is known, what lies on it is left out.
     void update(const Cloud& cloud, hal::TimePoint time, bool floorKnown);
     /// Nothing could be seen in a frame at `time`: nobody is present, and time passes for those who were.
     void seeNothing(hal::TimePoint time);
@@ -94,6 +96,8 @@ class People {
     static float coveredShare(const Person& front, const Person& back);
     void findTheLiving(const Cloud& cloud);
     void findTheHidden(hal::TimePoint time);
+    /// Takes walls and racks away from those of whom a whole person is seen beside them.
+    void dropScenery(bool floorKnown);
     void adopt(std::size_t component, hal::TimePoint time);
     void attachFragments();
     void labelCells(const Cloud& cloud);

@@ -21,12 +21,17 @@ constexpr std::uint32_t kFramesBetweenFits = 30;
 
 }  // namespace
 
+float between(float from, float to) {
+    return std::remainder(to - from, 360.0F * kRadiansPerDegree);
+}
+
 MountEstimate mountEstimateFrom(const hal::Mount& mount) {
     MountEstimate estimate;
+    // A sensor on its side is so whatever else is known.
+    estimate.roll = mount.rollDeg * kRadiansPerDegree;
     if (mount.known) {
         estimate.height = mount.heightMm * 1e-3F;
         estimate.tilt = mount.tiltDeg * kRadiansPerDegree;
-        estimate.roll = mount.rollDeg * kRadiansPerDegree;
     }
     return estimate;
 }
@@ -63,8 +68,8 @@ void FloorFitJob::run() {
         Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
         Eigen::Vector3d right = Eigen::Vector3d::Zero();
         support = under = 0;
-        // The floor lies in the lower part of the picture and fills it densely: every other cell is plenty.
-        for (int row = kCloudHeight / 3; row < kCloudHeight; row += 2) {
+        // The floor fills its part of the picture densely: every other cell is plenty.
+        for (int row = 0; row < kCloudHeight; row += 2) {
             for (int column = 0; column < kCloudWidth; column += 2) {
                 const std::size_t i = cellIndex(column, row);
                 const float z = cloud->z[i];
@@ -112,7 +117,7 @@ bool PlacementFilter::update(const Cloud& cloud) {
     ++frames_;
     if (!due) return false;
     if (!floorKnown()) {
-        FloorSearchJob search{.cloud = &cloud, .seed = frames_};
+        FloorSearchJob search{.cloud = &cloud, .roll = written_.roll, .seed = frames_};
         if (!search.isValid()) return false;
         search.run();
         if (!search.found) return false;
@@ -129,11 +134,11 @@ bool PlacementFilter::update(const Cloud& cloud) {
     doubts_ = doubtful ? doubts_ + 1 : 0;
     if (doubts_ >= kMostDoubts && !writtenDown_) {
         reset();
-        return false;
+        return true;
     }
     if (!fit.found) return false;
     if (std::abs(fit.corrected.tilt - initial_.tilt) > kMostTiltCorrection ||
-        std::abs(fit.corrected.roll - initial_.roll) > kMostTiltCorrection ||
+        std::abs(between(initial_.roll, fit.corrected.roll)) > kMostTiltCorrection ||
         std::abs(fit.corrected.height - initial_.height) > kMostHeightCorrection) {
         return false;
     }
@@ -141,7 +146,7 @@ bool PlacementFilter::update(const Cloud& cloud) {
     const float weight = std::max(0.05F, 1.0F / static_cast<float>(fits_));
     mount_.height += weight * (fit.corrected.height - mount_.height);
     mount_.tilt += weight * (fit.corrected.tilt - mount_.tilt);
-    mount_.roll += weight * (fit.corrected.roll - mount_.roll);
+    mount_.roll += weight * between(mount_.roll, fit.corrected.roll);
     placement_ = placementFrom(mount_);
     return false;
 }

@@ -16,8 +16,10 @@ struct MountEstimate {
     float roll = 0.0F;  ///< Positive turns the picture's content anticlockwise.
 };
 
-/// What was written down; where nothing was, a level sensor at the usual height.
+/// What was written down; where nothing was, a level sensor at the usual height, rolled as it is mounted.
 MountEstimate mountEstimateFrom(const hal::Mount& mount);
+/// The shorter way from one angle to another, radians.
+float between(float from, float to);
 /// The way from the sensor frame to the mirror frame: p_floor = Rx(tilt)·Rz(roll)·p_sensor + (0, height, 0), then x
 /// changes sign, since the mirror frame is right-handed.
 SensorPlacement placementFrom(const MountEstimate& mount);
@@ -48,7 +50,7 @@ class PlacementFilter {
   public:
     explicit PlacementFilter(const hal::Mount& mount);
     /// Looks at every frame at first, then now and then. The result counts from the next frame on, unless this returns
-    /// true: a floor was found where none was known, and the cloud's places are wrong.
+    /// true: a floor was found where none was known, or given up, and the cloud's places are wrong.
     bool update(const Cloud& cloud);
     void reset();
 

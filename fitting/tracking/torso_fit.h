@@ -21,7 +21,7 @@ struct TorsoPose {
     Eigen::Vector3f left{-1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};
     /// The front surface: z = surface[0] + surface[1]·x + surface[2]·y.
     Eigen::Vector3f surface = Eigen::Vector3f::Zero();
-    float halfDepth = 0.0F;  ///< What halfDepth would put the trunk straight under the head; 0: not seen.
+    float halfDepth = 0.0F;  ///< What TorsoFitJob::halfDepth would put the trunk straight under the head; statures.
     float crown = 0.0F;      ///< Height of the highest point of the head, as seen.
     float stature = 1.7F;    ///< What the proportions were taken of.
     bool found = false;

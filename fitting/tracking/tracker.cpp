@@ -89,11 +89,15 @@ void Tracker::track(const hal::DepthFrame& frame) {
         state.view.update(nullptr, frame.captureTime);
         state.people.seeNothing(frame.captureTime);
         state.clear();
+        state.users.activeId = state.people.users().activeId;
         return;
     }
     points.run();
     state.view.update(&state.cloud, frame.captureTime);
     if (state.placement.update(state.cloud)) {
+        // Places of before are in another frame of reference now.
+        state.people.reset();
+        state.body.reset();
         points.placement = state.placement.placement();
         points.run();
     }

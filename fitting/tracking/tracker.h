@@ -1,5 +1,5 @@
 // Sees the shopper: from a depth frame to users, joints and hands. The border where the sensor frame of reference
-// becomes the mirror frame (D1, D2, D3, D10).
+// becomes the mirror frame (D1, D2, D3).
 #pragma once
 
 #include <memory>

@@ -14,6 +14,17 @@
 namespace cheval::fitting::tracking {
 namespace {
 
+/// Twice the signed area of a polygon of cell centres.
+long doubledArea(std::span<const Cell> polygon) {
+    long sum = 0;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const Cell& a = polygon[i];
+        const Cell& b = polygon[(i + 1) % polygon.size()];
+        sum += static_cast<long>(a.x) * b.y - static_cast<long>(b.x) * a.y;
+    }
+    return sum;
+}
+
 /// Overlapping discs and bars: hand-like blobs, now and then in several pieces. The rim stays clear.
 HandMask randomMask(unsigned seed) {
     std::mt19937 random(seed);

@@ -26,7 +26,7 @@ BodyFitJob jobFor(const DrawnBody& drawn, const ArticulatedPose& start) {
             .rounds = 12};
 }
 
-std::array<Eigen::Vector3f, 13> jointsOf(const ArticulatedPose& pose) {
+std::array<Eigen::Vector3f, kJointCount> jointsOf(const ArticulatedPose& pose) {
     return {pose.head(),
             pose.neck(),
             pose.middle,
@@ -36,6 +36,8 @@ std::array<Eigen::Vector3f, 13> jointsOf(const ArticulatedPose& pose) {
             pose.elbow(Side::right),
             pose.hand(Side::left),
             pose.hand(Side::right),
+            pose.hip(Side::left),
+            pose.hip(Side::right),
             pose.knee(Side::left),
             pose.knee(Side::right),
             pose.foot(Side::left),

@@ -15,13 +15,14 @@ constexpr float kFrameSeconds = 1.0F / 30.0F;
 /// A shopper of some stature at some place, whose right hand follows a script.
 struct Script {
     float stature = 1.7F;
-    Eigen::Vector3f place{0.0F, 0.0F, 2.2F};
     float seconds = 2.0F;
     /// Right hand about the neck, in statures: right of the shopper, up, towards the glass.
     std::function<Eigen::Vector3f(float)> at;
     std::function<HandState(float)> state = [](float) { return HandState::open; };
     std::function<bool(float)> raised = [](float) { return true; };
     float confidence = 1.0F;  ///< Of the hand's state.
+    /// Where they stand on the floor.
+    std::function<Eigen::Vector3f(float)> walk = [](float) { return Eigen::Vector3f(0.0F, 0.0F, 2.2F); };
 };
 
 std::vector<GestureEvent> play(const Script& script) {
@@ -34,9 +35,10 @@ std::vector<GestureEvent> play(const Script& script) {
         frame.captureTime = hal::TimePoint(hal::Duration(static_cast<std::int64_t>(1e9) * i / 30));
         Skeleton skeleton;
         skeleton.userId = 1;
-        skeleton[Joint::neck].position = script.place + Eigen::Vector3f(0.0F, 0.85F * script.stature, 0.0F);
-        skeleton[Joint::rightShoulder].position = script.place + Eigen::Vector3f(0.1F, 0.79F, 0.0F) * script.stature;
-        skeleton[Joint::leftShoulder].position = script.place + Eigen::Vector3f(-0.1F, 0.79F, 0.0F) * script.stature;
+        const Eigen::Vector3f place = script.walk(time);
+        skeleton[Joint::neck].position = place + Eigen::Vector3f(0.0F, 0.85F * script.stature, 0.0F);
+        skeleton[Joint::rightShoulder].position = place + Eigen::Vector3f(0.1F, 0.79F, 0.0F) * script.stature;
+        skeleton[Joint::leftShoulder].position = place + Eigen::Vector3f(-0.1F, 0.79F, 0.0F) * script.stature;
         Hands hands;
         Hand& hand = hands[Side::right];
         const Eigen::Vector3f at = script.at(time);
@@ -44,7 +46,7 @@ std::vector<GestureEvent> play(const Script& script) {
         hand.confidence = script.confidence;
         hand.state = script.state(time);
         hand.raised = script.raised(time);
-        hands[Side::left].position = script.place + Eigen::Vector3f(-0.2F, 0.5F, 0.0F) * script.stature;
+        hands[Side::left].position = place + Eigen::Vector3f(-0.2F, 0.5F, 0.0F) * script.stature;
         reader.update(frame, skeleton, script.stature, hands);
         events.insert(events.end(), hands.gestures.begin(),
                       hands.gestures.begin() + static_cast<std::ptrdiff_t>(hands.gestureCount));
@@ -67,14 +69,18 @@ TEST(Swipe, IsReportedOnceWithItsDirectionWhateverTheSizeAndPlace) {
     for (const float stature : {1.0F, 1.5F, 1.95F}) {
         for (const float away : {1.0F, 2.5F, 4.0F}) {
             const auto left =
-                play({.stature = stature, .place = {0.4F, 0.0F, away}, .at = move(kRightSide, kLeftSide, 0.5F, 0.95F)});
+                play({.stature = stature, .at = move(kRightSide, kLeftSide, 0.5F, 0.95F), .walk = [away](float) {
+                          return Eigen::Vector3f(0.4F, 0.0F, away);
+                      }});
             ASSERT_EQ(left.size(), 1U);
             EXPECT_EQ(left[0].kind, GestureKind::swipe);
             EXPECT_EQ(left[0].hand, Side::right);
             EXPECT_EQ(left[0].direction, SwipeDirection::left);
             EXPECT_LT(left[0].startFrame, left[0].endFrame);
             const auto right =
-                play({.stature = stature, .place = {0.4F, 0.0F, away}, .at = move(kLeftSide, kRightSide, 0.5F, 0.95F)});
+                play({.stature = stature, .at = move(kLeftSide, kRightSide, 0.5F, 0.95F), .walk = [away](float) {
+                          return Eigen::Vector3f(0.4F, 0.0F, away);
+                      }});
             ASSERT_EQ(right.size(), 1U);
             EXPECT_EQ(right[0].direction, SwipeDirection::right);
         }
@@ -92,8 +98,13 @@ TEST(Swipe, IsNotMadeByAHandThatHangs) {
 }
 
 TEST(Swipe, IsNotMadeByWalking) {
-    // The hand keeps its place about the body.
-    EXPECT_TRUE(play({.at = [](float) { return kRightSide; }}).empty());
+    // The hand keeps its place about the body, or stays behind in the shop, while the body goes sideways.
+    const auto walk = [](float t) -> Eigen::Vector3f { return {0.8F * t, 0.0F, 2.2F}; };
+    EXPECT_TRUE(play({.at = [](float) { return kRightSide; }, .walk = walk}).empty());
+    const auto leftBehind = [](float t) -> Eigen::Vector3f {
+        return kRightSide - Eigen::Vector3f(0.8F / 1.7F * t, 0.0F, 0.0F);
+    };
+    EXPECT_TRUE(play({.seconds = 1.0F, .at = leftBehind, .walk = walk}).empty());
 }
 
 HandState closedBetween(float time, float from, float to) {
