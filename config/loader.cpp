@@ -193,6 +193,13 @@ void checkGestures(LoadedSettings& loaded) {
         restore(loaded, "gestures.grab_closed_least_s");
         restore(loaded, "gestures.grab_closed_longest_s");
     }
+    if (gestures.holdMovement >= gestures.holdAway) {
+        refuse(loaded, whoeverWasSet(loaded, "gestures.hold_movement", "gestures.hold_away"),
+               "a hand could be away and still at once", "make gestures.hold_movement less than gestures.hold_away",
+               "a hand that trembles would confirm again and again");
+        restore(loaded, "gestures.hold_movement");
+        restore(loaded, "gestures.hold_away");
+    }
 }
 
 /// Each rule that is broken also puts its settings back to their defaults, so that what is left goes together.

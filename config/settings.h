@@ -15,6 +15,7 @@ enum class ButtonSource : std::uint8_t { none, gpio };
 enum class ButtonBias : std::uint8_t { keep, off, up, down };
 enum class HighestRung : std::uint8_t { device, process, usb, power, daemon, machine };
 enum class SwipeMeaning : std::uint8_t { carousel, arrow };
+enum class HoldMeaning : std::uint8_t { view, nothing };
 enum class RenderContext : std::uint8_t { automatic, egl, osmesa };
 enum class BusKind : std::uint8_t { system, session, none };
 enum class StartView : std::uint8_t { mirror, avatar };

@@ -30,6 +30,10 @@ fitting::GestureOptions gestureOptions(const config::Settings& settings) {
             .grabLowest = static_cast<float>(gestures.grabLowest),
             .raiseHold = static_cast<float>(gestures.raiseHoldSeconds),
             .raiseRest = static_cast<float>(gestures.raiseRestSeconds),
+            .holdTime = static_cast<float>(gestures.holdSeconds),
+            .holdMovement = static_cast<float>(gestures.holdMovement),
+            .holdAway = static_cast<float>(gestures.holdAway),
+            .holdRest = static_cast<float>(gestures.holdRestSeconds),
             .walkingSpeed = static_cast<float>(gestures.walkingSpeed)};
 }
 
@@ -52,6 +56,7 @@ SessionOptions sessionOptions(const config::Settings& settings, const Wardrobe& 
             .leave = hal::fromSeconds(settings.session.leaveSeconds),
             .gone = hal::fromSeconds(settings.session.goneSeconds),
             .swipeLeftIsNext = settings.session.swipe == config::SwipeMeaning::carousel,
+            .holdChangesView = settings.session.hold == config::HoldMeaning::view,
             .outfitCount = wardrobe.outfits.size(),
             .startOutfit = wardrobe.startOutfit,
             .startInAvatarView = settings.render.view == config::StartView::avatar};

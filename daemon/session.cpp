@@ -57,7 +57,7 @@ void Session::press(const hal::ButtonEvent& event) {
             step(-1);
             break;
         case hal::Button::view:
-            avatarView_ = !avatarView_;
+            changeView();
             break;
         case hal::Button::service:
             serviceScreen_ = !serviceScreen_;
@@ -92,6 +92,22 @@ void Session::obey(const RemoteCommand& command) {
     }
 }
 
+void Session::understand(const fitting::GestureEvent& gesture) {
+    switch (gesture.kind) {
+        case fitting::GestureKind::swipe: {
+            const bool left = gesture.direction == fitting::SwipeDirection::left;
+            step(left == options_.swipeLeftIsNext ? 1 : -1);
+            break;
+        }
+        case fitting::GestureKind::hold:
+            if (options_.holdChangesView) changeView();
+            break;
+        case fitting::GestureKind::grab:
+        case fitting::GestureKind::raise:
+            break;
+    }
+}
+
 void Session::enter(SessionState state, hal::TimePoint time) {
     if (state == SessionState::wearing && newcomer_) {
         ++visits_;
@@ -111,11 +127,8 @@ void Session::update(const SessionInput& input) {
         obey(command);
     // Hands speak for the dressed alone: whoever walks in with swinging arms chooses nothing.
     if (state_ == SessionState::wearing) {
-        for (const fitting::GestureEvent& gesture : input.gestures) {
-            if (gesture.kind != fitting::GestureKind::swipe) continue;
-            const bool left = gesture.direction == fitting::SwipeDirection::left;
-            step(left == options_.swipeLeftIsNext ? 1 : -1);
-        }
+        for (const fitting::GestureEvent& gesture : input.gestures)
+            understand(gesture);
     }
     if (input.userId != 0) lastSeen_ = now_;
     // Walking in, a dwell of zero and the joints all at once make two steps; more cannot follow from one frame.

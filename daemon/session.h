@@ -24,7 +24,7 @@ enum class SessionState : std::uint8_t {
 
 std::string_view name(SessionState state);
 
-/// Dwell times, and how swipes are meant.
+/// Dwell times, and how gestures are meant.
 struct SessionOptions {
     hal::Duration approach = hal::fromSeconds(0.3);      ///< Seen in the zone before it counts as coming.
     hal::Duration acquire = hal::fromSeconds(0.3);       ///< Joints seen before dressing.
@@ -33,6 +33,7 @@ struct SessionOptions {
     hal::Duration gone = hal::fromSeconds(2.0);          ///< Leaving before the visit is over.
     bool swipeLeftIsNext =
         true;  ///< The hand pushes the row of clothes: pushed to the left, the next comes from the right.
+    bool holdChangesView = true;  ///< A hand held still is the view button of who has none.
     std::size_t outfitCount = 0;
     std::size_t startOutfit = 0;
     bool startInAvatarView = false;
@@ -76,6 +77,8 @@ class Session {
     void enter(SessionState state, hal::TimePoint time);
     void startAnew();
     void press(const hal::ButtonEvent& event);
+    void changeView() { avatarView_ = !avatarView_; }
+    void understand(const fitting::GestureEvent& gesture);
     void obey(const RemoteCommand& command);
     void step(std::ptrdiff_t by);
     bool advance(const SessionInput& input);

@@ -25,6 +25,8 @@ std::string_view name(fitting::GestureKind kind) {
             return "grab";
         case fitting::GestureKind::raise:
             return "raise";
+        case fitting::GestureKind::hold:
+            return "hold";
     }
     return "";
 }

@@ -29,7 +29,7 @@ class TracksWriter {
     /// has none.
     Expected<void> writeFrame(const hal::DepthFrame& frame, const fitting::Skeleton& skeleton,
                               const fitting::Hands& hands, const fitting::SensorPlacement& placement);
-    /// Keeps the swipes, grabs and raises that a frame completed; events are written by finish().
+    /// Keeps the swipes, grabs, raises and holds that a frame completed; events are written by finish().
     void addGestures(const fitting::Hands& hands);
     /// Writes the measurements (those that could be taken) and the events, and closes the file.
     Expected<void> finish(const fitting::Measurements* measurements);

@@ -34,10 +34,16 @@ struct Hand {
     float confidence = 0.0F;                             ///< Of the state, 0…1.
     Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< Centre of the palm.
     Eigen::Vector3f velocity = Eigen::Vector3f::Zero();
-    bool raised = false;  ///< Held up as one does to point or grab.
+    bool raised = false;   ///< Held up as one does to point or grab.
+    float holding = 0.0F;  ///< 0…1, how much of a hold is done; 1 from its event until the hand goes away or down.
 };
 
-enum class GestureKind : std::uint8_t { swipe, grab, raise };
+enum class GestureKind : std::uint8_t {
+    swipe,  ///< Sideways.
+    grab,   ///< Closed, then open again.
+    raise,  ///< Up above the shoulder.
+    hold,   ///< Open and kept still: to confirm.
+};
 enum class SwipeDirection : std::uint8_t { left, right };  ///< As the shopper sees it.
 
 /// One gesture, reported once, when it is complete.

@@ -29,6 +29,8 @@ constexpr double kTextSize = 9.5;
 constexpr double kSmallText = 8.0;
 constexpr double kGestureText = 13.0;
 constexpr double kMargin = 5.0;
+constexpr double kHoldingGap = 6.0;  ///< From the hand's square to the ring about it.
+constexpr double kHoldingWidth = 3.0;
 
 constexpr hal::Rgba8 kInk{.r = 235, .g = 235, .b = 230, .a = 255};
 constexpr hal::Rgba8 kFloorColour{.r = 225, .g = 225, .b = 120, .a = 255};
@@ -84,6 +86,8 @@ std::string words(const GestureEvent& gesture) {
             return "grab, " + hand;
         case GestureKind::raise:
             return "raise, " + hand;
+        case GestureKind::hold:
+            return "hold, " + hand;
     }
     return hand;
 }
@@ -355,11 +359,27 @@ void TrackingView::drawHand(Pen& pen, const TrackingPicture& picture, Side side)
     cairo_rectangle(pen.cairo(), at.x() + 0.5 - half, at.y() + 0.5 - half, 2.0 * half, 2.0 * half);
     const hal::Rgba8 colour = side == Side::left ? kLeftColour : kRightColour;
     stroke(pen, hand.raised ? 1.8 : 1.0, colour, joint.confidence < kSeen);
+    drawHolding(pen, at, half + kHoldingGap, hand.holding, colour);
     const std::string state(fitting::nameOf(hand.state));
     // Above the square, or below it where the status line is.
     const double above = at.y() - half - 15.0;
     label(pen, hand.state == HandState::unknown ? state : state + format(" %.2f", hand.confidence), kTextSize, colour,
           at.x() - half, above < 20.0 ? at.y() + half + 4.0 : above);
+}
+
+void TrackingView::drawHolding(Pen& pen, const Eigen::Vector2f& at, double radius, float holding, hal::Rgba8 colour) {
+    if (!(holding > 0.0F)) return;
+    cairo_t* cairo = pen.cairo();
+    const double top = -0.5 * std::numbers::pi;
+    const double end = top + 2.0 * std::numbers::pi * std::min(1.0, static_cast<double>(holding));
+    cairo_new_sub_path(cairo);
+    cairo_arc(cairo, at.x() + 0.5, at.y() + 0.5, radius, 0.0, 2.0 * std::numbers::pi);
+    setColour(pen, colour, 0.3);
+    cairo_set_line_width(cairo, 1.0);
+    cairo_stroke(cairo);
+    cairo_new_sub_path(cairo);
+    cairo_arc(cairo, at.x() + 0.5, at.y() + 0.5, radius, top, end);
+    stroke(pen, kHoldingWidth, colour, false);
 }
 
 void TrackingView::drawGestures(Pen& pen) const {

@@ -39,7 +39,8 @@ struct TrackingPicture {
 /// What is drawn: depth as a grey relief, no reading dark; each user tinted, the active one strongest and outlined;
 /// lines on the floor a metre apart where nothing hides them; bones and joints, the shopper's left warm and right cold,
 /// joints of confidence ≥ 0.5 filled and with solid bones, others hollow and dashed; a square about each hand with its
-/// state and the state's confidence, dashed where the hand was not seen; gestures while they are new; figures in words.
+/// state and the state's confidence, dashed where the hand was not seen, and a ring that fills while it is held still;
+/// gestures while they are new; figures in words.
 class TrackingView {
   public:
     /// For depth pictures of this size; `scale` picture pixels a depth pixel, 1 … 4.
@@ -74,6 +75,8 @@ class TrackingView {
     void drawUsers(Pen& pen, const TrackingPicture& picture) const;
     void drawBones(Pen& pen, const TrackingPicture& picture) const;
     void drawHand(Pen& pen, const TrackingPicture& picture, fitting::Side side) const;
+    /// A ring that fills clockwise from its top while a hand is held still.
+    static void drawHolding(Pen& pen, const Eigen::Vector2f& at, double radius, float holding, hal::Rgba8 colour);
     void drawGestures(Pen& pen) const;
     void drawWords(Pen& pen, const TrackingPicture& picture) const;
     /// A line of text on a dark ground with its left upper corner there, in depth pixels, kept within the picture.

@@ -18,6 +18,10 @@ struct GestureOptions {
     float grabLowest = -0.15F;       ///< Statures above the neck at least, when it opens.
     float raiseHold = 0.20F;         ///< Seconds above the shoulder.
     float raiseRest = 0.30F;         ///< Seconds below it before another raise counts.
+    float holdTime = 1.2F;           ///< Seconds an open, raised hand is kept still to confirm,
+    float holdMovement = 0.04F;      ///< … no farther than this from where it came to rest, statures.
+    float holdAway = 0.10F;          ///< Statures it must go from where it gestured before it can hold again,
+    float holdRest = 0.30F;          ///< … or seconds that it must be down.
     float walkingSpeed = 0.30F;      ///< Statures a second of the neck: who walks does not gesture.
 };
 

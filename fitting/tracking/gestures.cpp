@@ -1,5 +1,6 @@
 #include "fitting/tracking/gestures.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace cheval::fitting::tracking {
@@ -10,6 +11,11 @@ constexpr float kVelocitySpan = 0.05F;
 constexpr float kWalkSpan = 0.25F;
 /// Mean confidence of a hand that is closed to grab.
 constexpr float kSurelyClosed = 0.7F;
+/// A hand that is still on its way, statures a second, has not come to rest.
+constexpr float kArrived = 0.20F;
+/// What the state's confidence must be for a hold to count, and how far a hold is that waits for it.
+constexpr float kSurelyOpen = 0.5F;
+constexpr float kNearlyHeld = 0.99F;
 
 void append(Hands& hands, const GestureEvent& event) {
     if (hands.gestureCount < kMaximumGestures) hands.gestures[hands.gestureCount++] = event;
@@ -53,18 +59,20 @@ void GestureReader::update(const hal::DepthFrame& frame, const Skeleton& skeleto
             watch.velocity += weight * ((at - watch.last) / elapsed - watch.velocity);
         } else {
             watch.velocity.setZero();
+            watch.still = false;
         }
         watch.last = at;
         watch.seen = true;
-        watchSwipe(watch, now, at, hand.raised, side, hands);
+        const bool swiped = watchSwipe(watch, now, at, hand.raised, side, hands);
         if (watch.grab == Grab::closed) watch.sureness += hand.confidence * elapsed;
-        watchGrab(watch, now, at, hand, side, hands);
+        const bool grabbed = watchGrab(watch, now, at, hand, side, hands);
+        hands[side].holding = watchHold(watch, now, hand, about, swiped || grabbed, side, hands);
         const Joint shoulder = side == Side::left ? Joint::leftShoulder : Joint::rightShoulder;
         watchRaise(watch, now, hand.raised && hand.position.y() > skeleton[shoulder].position.y(), side, hands);
     }
 }
 
-void GestureReader::watchSwipe(HandWatch& watch, const Moment& now, const Eigen::Vector2f& at, bool raised, Side side,
+bool GestureReader::watchSwipe(HandWatch& watch, const Moment& now, const Eigen::Vector2f& at, bool raised, Side side,
                                Hands& hands) const {
     const float speed = watch.velocity.x();
     if (!watch.stroke) {
@@ -75,16 +83,16 @@ void GestureReader::watchSwipe(HandWatch& watch, const Moment& now, const Eigen:
             watch.from = at;
             watch.strokeStart = now;
         }
-        return;
+        return false;
     }
     watch.peak = std::max(watch.peak, speed * watch.direction);
     const float lasted = between(watch.strokeStart.time, now.time);
-    if (speed * watch.direction > options_.swipeEndSpeed && raised && lasted < options_.swipeLongest) return;
+    if (speed * watch.direction > options_.swipeEndSpeed && raised && lasted < options_.swipeLongest) return false;
     watch.stroke = false;
     const Eigen::Vector2f way = at - watch.from;
-    if (!raised || lasted >= options_.swipeLongest || watch.peak < options_.swipePeakSpeed) return;
-    if (way.x() * watch.direction < options_.swipeDistance) return;
-    if (std::abs(way.y()) > options_.swipeSteepest * std::abs(way.x())) return;
+    if (!raised || lasted >= options_.swipeLongest || watch.peak < options_.swipePeakSpeed) return false;
+    if (way.x() * watch.direction < options_.swipeDistance) return false;
+    if (std::abs(way.y()) > options_.swipeSteepest * std::abs(way.x())) return false;
     append(hands, {.kind = GestureKind::swipe,
                    .hand = side,
                    .direction = watch.direction > 0.0F ? SwipeDirection::left : SwipeDirection::right,
@@ -92,13 +100,14 @@ void GestureReader::watchSwipe(HandWatch& watch, const Moment& now, const Eigen:
                    .end = now.time,
                    .startFrame = watch.strokeStart.frame,
                    .endFrame = now.frame});
+    return true;
 }
 
-void GestureReader::watchGrab(HandWatch& watch, const Moment& now, const Eigen::Vector2f& at, const Hand& hand,
+bool GestureReader::watchGrab(HandWatch& watch, const Moment& now, const Eigen::Vector2f& at, const Hand& hand,
                               Side side, Hands& hands) const {
     if (!hand.raised || hand.state == HandState::unknown) {
         watch.grab = Grab::idle;
-        return;
+        return false;
     }
     const float lasted = between(watch.grabStart.time, now.time);
     switch (watch.grab) {
@@ -117,6 +126,7 @@ void GestureReader::watchGrab(HandWatch& watch, const Moment& now, const Eigen::
             break;
         case Grab::closed:
             if (hand.state != HandState::open) break;
+            watch.grab = Grab::open;
             // Hands that talk do so before the chest, half closed.
             if (lasted >= options_.grabClosedLeast && lasted <= options_.grabClosedLongest &&
                 at.y() >= options_.grabLowest && watch.sureness >= kSurelyClosed * lasted) {
@@ -126,11 +136,52 @@ void GestureReader::watchGrab(HandWatch& watch, const Moment& now, const Eigen::
                                .end = now.time,
                                .startFrame = watch.grabStart.frame,
                                .endFrame = now.frame});
+                watch.grabStart = now;
+                return true;
             }
-            watch.grab = Grab::open;
             watch.grabStart = now;
             break;
     }
+    return false;
+}
+
+float GestureReader::watchHold(HandWatch& watch, const Moment& now, const Hand& hand, const Eigen::Vector3f& about,
+                               bool gestured, Side side, Hands& hands) const {
+    if (hand.raised == watch.lowered) {
+        watch.lowered = !hand.raised;
+        watch.loweredSince = now;
+    }
+    const bool rested = watch.lowered && between(watch.loweredSince.time, now.time) >= options_.holdRest;
+    if (rested || (about - watch.spentAt).norm() > options_.holdAway) watch.spent = watch.held = false;
+    if (gestured) {
+        // Whoever has swiped or grabbed waits for what comes of it, with the hand where it is.
+        watch.spent = true;
+        watch.held = false;
+        watch.spentAt = about;
+    }
+    if (watch.stroke || watch.spent || !hand.raised || hand.state != HandState::open) {
+        watch.still = false;
+        return watch.held ? 1.0F : 0.0F;
+    }
+    if (!watch.still || (about - watch.stillAt).norm() > options_.holdMovement) {
+        watch.still = watch.velocity.norm() < kArrived;
+        watch.stillAt = about;
+        watch.stillSince = now;
+        return 0.0F;
+    }
+    const float lasted = between(watch.stillSince.time, now.time);
+    // A fist is read as open now and then, but seldom surely.
+    if (lasted < options_.holdTime || hand.confidence < kSurelyOpen)
+        return std::min(lasted / options_.holdTime, kNearlyHeld);
+    watch.spent = watch.held = true;
+    watch.spentAt = about;
+    append(hands, {.kind = GestureKind::hold,
+                   .hand = side,
+                   .start = watch.stillSince.time,
+                   .end = now.time,
+                   .startFrame = watch.stillSince.frame,
+                   .endFrame = now.frame});
+    return 1.0F;
 }
 
 void GestureReader::watchRaise(HandWatch& watch, const Moment& now, bool up, Side side, Hands& hands) const {

@@ -1,4 +1,4 @@
-// Swipe, grab and raise from how hands move (D2) and open and close (D3).
+// Swipe, grab, raise and hold from how hands move (D2) and open and close (D3).
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@ class GestureReader {
     explicit GestureReader(const GestureOptions& options) : options_(options) {}
     void reset();
 
-    /// Appends this frame's gestures to `hands`, whose hands have been read. `stature` in metres. What does not fit
-    /// into kMaximumGestures is dropped.
+    /// Appends this frame's gestures to `hands`, whose hands have been read, and sets Hand::holding. `stature` in
+    /// metres. What does not fit into kMaximumGestures is dropped.
     void update(const hal::DepthFrame& frame, const Skeleton& skeleton, float stature, Hands& hands);
 
   private:
@@ -43,16 +43,29 @@ class GestureReader {
         // Raise.
         bool up = false, counted = false;
         Moment upSince, downSince;
+        // Hold. Places are about the neck, in statures.
+        bool still = false;
+        Eigen::Vector3f stillAt = Eigen::Vector3f::Zero();
+        Moment stillSince;
+        bool spent = false, held = false;  ///< It has gestured here; the last gesture was a hold.
+        Eigen::Vector3f spentAt = Eigen::Vector3f::Zero();
+        bool lowered = true;
+        Moment loweredSince;
         // Speed of the hand about the body.
         bool seen = false;
         Eigen::Vector2f last = Eigen::Vector2f::Zero();
         Eigen::Vector2f velocity = Eigen::Vector2f::Zero();
     };
 
-    void watchSwipe(HandWatch& watch, const Moment& now, const Eigen::Vector2f& at, bool raised, Side side,
+    /// Both return whether this frame completed one.
+    bool watchSwipe(HandWatch& watch, const Moment& now, const Eigen::Vector2f& at, bool raised, Side side,
                     Hands& hands) const;
-    void watchGrab(HandWatch& watch, const Moment& now, const Eigen::Vector2f& at, const Hand& hand, Side side,
+    bool watchGrab(HandWatch& watch, const Moment& now, const Eigen::Vector2f& at, const Hand& hand, Side side,
                    Hands& hands) const;
+    /// `about`: from the neck to the hand, statures. `gestured`: this frame completed another gesture of the hand.
+    /// Returns what Hand::holding is.
+    float watchHold(HandWatch& watch, const Moment& now, const Hand& hand, const Eigen::Vector3f& about, bool gestured,
+                    Side side, Hands& hands) const;
     void watchRaise(HandWatch& watch, const Moment& now, bool up, Side side, Hands& hands) const;
 
     GestureOptions options_;

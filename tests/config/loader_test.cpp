@@ -121,6 +121,10 @@ INSTANTIATE_TEST_SUITE_P(
                 "faster than it need be", "at least gestures.swipe_start_speed"},
         BadText{"grabLongerThanItMay", "[gestures]\n\ngrab_closed_longest_s = 0.1\n", 3,
                 "gestures.grab_closed_longest_s", "longer than it may", "less than gestures.grab_closed_longest_s"},
+        BadText{"holdThatNeverEnds", "[gestures]\nhold_away = 0.03\n", 2, "gestures.hold_away",
+                "away and still at once", "less than gestures.hold_away"},
+        BadText{"unknownMeaningOfHold", "[session]\nhold = \"veiw\"\n", 2, "session.hold",
+                "not one of \"view\", \"nothing\"", "\"view\""},
         BadText{"zoneInsideOut", "[zone]\nnear_m = 5.0\nfar_m = 1.0\n", 2, "zone.near_m", "ends before", "less"}),
     [](const testing::TestParamInfo<BadText>& parameter) { return parameter.param.name; });
 

@@ -14,7 +14,8 @@ auto values(const fitting::GestureOptions& options) {
     return std::make_tuple(options.swipeStartSpeed, options.swipeEndSpeed, options.swipePeakSpeed,
                            options.swipeDistance, options.swipeSteepest, options.swipeLongest, options.grabOpenBefore,
                            options.grabClosedLeast, options.grabClosedLongest, options.grabLowest, options.raiseHold,
-                           options.raiseRest, options.walkingSpeed);
+                           options.raiseRest, options.holdTime, options.holdMovement, options.holdAway,
+                           options.holdRest, options.walkingSpeed);
 }
 
 TEST(RoomOptions, TheSettingsDefaultsAreTheGesturesOwn) {
@@ -27,7 +28,7 @@ TEST(RoomOptions, EachGestureSettingReachesTheTracker) {
         "swipe_distance = 0.25\nswipe_steepest = 1.5\nswipe_longest_s = 2\ngrab_open_before_s = 0.375\n"
         "grab_closed_least_s = 0.625\ngrab_closed_longest_s = 4\ngrab_lowest = -0.25\nraise_hold_s = "
         "0.875\nraise_rest_s = 1.25\n"
-        "walking_speed = 1.75\n",
+        "hold_s = 2.5\nhold_movement = 0.0625\nhold_away = 0.1875\nhold_rest_s = 3.5\nwalking_speed = 1.75\n",
         "a.toml");
     ASSERT_TRUE(loaded.good()) << loaded.problems.front().message();
     EXPECT_EQ(values(trackerOptions(loaded.settings, {}).gestures), values({.swipeStartSpeed = 0.5F,
@@ -42,7 +43,18 @@ TEST(RoomOptions, EachGestureSettingReachesTheTracker) {
                                                                             .grabLowest = -0.25F,
                                                                             .raiseHold = 0.875F,
                                                                             .raiseRest = 1.25F,
+                                                                            .holdTime = 2.5F,
+                                                                            .holdMovement = 0.0625F,
+                                                                            .holdAway = 0.1875F,
+                                                                            .holdRest = 3.5F,
                                                                             .walkingSpeed = 1.75F}));
+}
+
+TEST(RoomOptions, AHoldMeansWhatTheSettingsSay) {
+    config::Settings settings = config::defaultSettings();
+    EXPECT_TRUE(sessionOptions(settings, Wardrobe{}).holdChangesView);
+    settings.session.hold = config::HoldMeaning::nothing;
+    EXPECT_FALSE(sessionOptions(settings, Wardrobe{}).holdChangesView);
 }
 
 }  // namespace

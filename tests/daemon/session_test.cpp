@@ -59,10 +59,11 @@ class Player {
         const std::array<ButtonEvent, 1> events = {{{.button = button, .action = action, .time = time_}}};
         frame(userId, true, true, events);
     }
-    void swipe(SwipeDirection direction, std::uint32_t userId = 1, GestureKind kind = GestureKind::swipe) {
+    void gesture(GestureKind kind, SwipeDirection direction = SwipeDirection::left) {
         const std::array<GestureEvent, 1> events = {{{.kind = kind, .direction = direction}}};
-        frame(userId, true, true, {}, events);
+        frame(1, true, true, {}, events);
     }
+    void swipe(SwipeDirection direction) { gesture(GestureKind::swipe, direction); }
     void dress() { play({.seconds = 2.0, .userId = 1}); }
     [[nodiscard]] std::string chain() const {
         std::string text;
@@ -184,9 +185,39 @@ TEST(Session, onlySwipesOfTheDressedCount) {
     ASSERT_NE(player.session.state(), SessionState::wearing);
     EXPECT_EQ(player.session.outfit(), 1U);
     player.dress();
-    player.swipe(SwipeDirection::left, 1, GestureKind::grab);
-    player.swipe(SwipeDirection::left, 1, GestureKind::raise);
+    player.gesture(GestureKind::grab);
+    player.gesture(GestureKind::raise);
+    player.gesture(GestureKind::hold);
     EXPECT_EQ(player.session.outfit(), 1U);
+}
+
+TEST(Session, aHoldIsTheViewButtonOfTheDressed) {
+    Player player;
+    for (int i = 0; i < 5; ++i)
+        player.gesture(GestureKind::hold);
+    ASSERT_NE(player.session.state(), SessionState::wearing);
+    EXPECT_FALSE(player.session.avatarView()) << "whoever walks in chooses nothing";
+    player.dress();
+    player.gesture(GestureKind::hold);
+    EXPECT_TRUE(player.session.avatarView());
+    EXPECT_EQ(player.session.outfit(), 1U);
+    player.press(Button::view);
+    EXPECT_FALSE(player.session.avatarView()) << "the button and the hand change one and the same view";
+    player.gesture(GestureKind::hold);
+    player.gesture(GestureKind::hold);
+    EXPECT_FALSE(player.session.avatarView());
+    player.gesture(GestureKind::hold);
+    player.play({.seconds = 6.0, .userId = 0});
+    EXPECT_FALSE(player.session.avatarView()) << "the next visit starts as the first did";
+}
+
+TEST(Session, aHoldCanMeanNothing) {
+    SessionOptions options = kOptions;
+    options.holdChangesView = false;
+    Player player(options);
+    player.dress();
+    player.gesture(GestureKind::hold);
+    EXPECT_FALSE(player.session.avatarView());
 }
 
 TEST(Session, theViewButtonTogglesAndTheNextVisitStartsAfresh) {

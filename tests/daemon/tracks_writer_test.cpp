@@ -84,7 +84,9 @@ TEST_F(TracksWriterTest, writesMeasurementsInCentimetresAndEventsOnce) {
                          .endFrame = 78};
     hands.gestures[1] = {
         .kind = fitting::GestureKind::grab, .hand = fitting::Side::left, .startFrame = 80, .endFrame = 90};
-    hands.gestureCount = 2;
+    hands.gestures[2] = {
+        .kind = fitting::GestureKind::hold, .hand = fitting::Side::left, .startFrame = 90, .endFrame = 126};
+    hands.gestureCount = 3;
     (*writer)->addGestures(hands);
     fitting::Measurements measurements;
     measurements[fitting::Dimension::stature] = {.value = 1.712F, .valid = true};
@@ -93,12 +95,14 @@ TEST_F(TracksWriterTest, writesMeasurementsInCentimetresAndEventsOnce) {
     const auto records = lines();
     ASSERT_EQ(records.size(), 2U);
     EXPECT_EQ(records[0], nlohmann::json({{"measurements", {{"stature", 171.2}}}}));
-    EXPECT_EQ(records[1]["events"].size(), 2U);
+    EXPECT_EQ(records[1]["events"].size(), 3U);
     EXPECT_EQ(
         records[1]["events"][0],
         nlohmann::json({{"type", "swipe"}, {"direction", "left"}, {"hand", "right"}, {"start", 70}, {"end", 78}}));
     EXPECT_EQ(records[1]["events"][1]["type"], "grab");
     EXPECT_FALSE(records[1]["events"][1].contains("direction"));
+    EXPECT_EQ(records[1]["events"][2],
+              nlohmann::json({{"type", "hold"}, {"hand", "left"}, {"start", 90}, {"end", 126}}));
 }
 
 TEST_F(TracksWriterTest, refusesAFileThatCannotBeWritten) {

@@ -1,8 +1,11 @@
 #include "render/tracking_view.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -182,6 +185,32 @@ TEST_F(TrackingViewTest, ASquareAsLargeAsTheRegionIsAboutEachHand) {
     }
 }
 
+TEST_F(TrackingViewTest, ARingFillsClockwiseAboutAHandThatIsHeldStill) {
+    handRegion_ = 0.2F;
+    hands_[Side::right] = {.state = fitting::HandState::open, .position = {0.6F, 1.2F, 2.0F}, .raised = true};
+    // 0.1 m at 2 m are 28.5 depth pixels; the ring is 6 farther out.
+    const float radius = 34.5F * kScale;
+    const Eigen::Vector2f middle = pixelOf(hands_[Side::right].position);
+    const auto drawnAt = [&](const hal::Image<hal::Rgba8>& image, float turns) {
+        const float angle = turns * 2.0F * std::numbers::pi_v<float>;
+        const Eigen::Vector2f on = middle + radius * Eigen::Vector2f(std::sin(angle), -std::cos(angle));
+        return apart(at(image, on), TrackingView::kRightColour) <= 8;
+    };
+    struct Case {
+        float holding;
+        std::array<bool, 4> drawn;  ///< After an eighth of a turn, three eighths, …
+    };
+    for (const Case& row : {Case{0.0F, {false, false, false, false}}, Case{0.25F, {true, false, false, false}},
+                            Case{0.75F, {true, true, true, false}}, Case{1.0F, {true, true, true, true}}}) {
+        hands_[Side::right].holding = row.holding;
+        const hal::Image<hal::Rgba8> image = drawn();
+        for (std::size_t i = 0; i < row.drawn.size(); ++i) {
+            EXPECT_EQ(drawnAt(image, (2.0F * static_cast<float>(i) + 1.0F) / 8.0F), row.drawn[i])
+                << row.holding << ", " << i;
+        }
+    }
+}
+
 TEST_F(TrackingViewTest, TheFloorShowsEveryMetreWhereNothingHidesIt) {
     fill(40, kWidth, 0, kHeight, 0, 0);
     users_.count = 0;
@@ -214,6 +243,10 @@ TEST_F(TrackingViewTest, AGestureIsShownForAWhileEvenIfItsOwnFrameIsNotDrawn) {
     later(std::chrono::milliseconds(1));
     EXPECT_FALSE(differs(drawn()));
     gesture(fitting::GestureKind::grab);
+    EXPECT_TRUE(differs(drawn()));
+    later(TrackingView::kGestureShown + std::chrono::milliseconds(1));
+    EXPECT_FALSE(differs(drawn()));
+    gesture(fitting::GestureKind::hold);
     EXPECT_TRUE(differs(drawn()));
     later(std::chrono::milliseconds(33));
     frame_.restart = true;

@@ -170,10 +170,11 @@ TEST(VisitFigures, CountEveryEventOfAFidgetAsFalse) {
     VisitRecording recording = perfect(Script::fidgeting, 3, 15.0);
     Hands& hands = recording.frames[300].hands;
     hands.gestures[hands.gestureCount++] = {.kind = GestureKind::grab, .hand = Side::left};
+    hands.gestures[hands.gestureCount++] = {.kind = GestureKind::hold, .hand = Side::left};
     // To wake the mirror is no false event.
     hands.gestures[hands.gestureCount++] = {.kind = GestureKind::raise, .hand = Side::left};
     const VisitFigures figures = figuresOf(recording);
-    EXPECT_EQ(figures.falseEvents, 1);
+    EXPECT_EQ(figures.falseEvents, 2);
     EXPECT_NEAR(figures.fidgetSeconds, 14.0, 1.0);
 }
 

@@ -14,7 +14,7 @@ namespace sim = hal::sim;
 
 constexpr double kSlack = 8.0 / 15.0;  ///< Seconds; eight frames of score.py.
 
-/// Swipes and grabs that were reported.
+/// All that was reported but raises, which wake the mirror and no more.
 std::vector<GestureEvent> eventsOf(std::span<const SeenFrame> frames) {
     std::vector<GestureEvent> events;
     for (const SeenFrame& frame : frames) {
@@ -25,13 +25,16 @@ std::vector<GestureEvent> eventsOf(std::span<const SeenFrame> frames) {
     return events;
 }
 
-std::string wordsFor(bool swipe, Side hand, SwipeDirection direction) {
-    std::string words = swipe ? (direction == SwipeDirection::left ? "swipe left" : "swipe right") : "grab";
+std::string wordsFor(GestureKind kind, Side hand, SwipeDirection direction) {
+    std::string words = kind == GestureKind::hold           ? "hold"
+                        : kind == GestureKind::grab         ? "grab"
+                        : direction == SwipeDirection::left ? "swipe left"
+                                                            : "swipe right";
     return words + (hand == Side::left ? " of the left hand" : " of the right hand");
 }
 
 std::string wordsFor(const GestureEvent& event) {
-    return wordsFor(event.kind == GestureKind::swipe, event.hand, event.direction);
+    return wordsFor(event.kind, event.hand, event.direction);
 }
 
 }  // namespace
@@ -44,15 +47,16 @@ void readGestures(const VisitRecording& recording, double seconds, VisitFigures&
     for (const sim::MeantGesture& meant : recording.meant) {
         if (meant.kind == sim::MeantKind::transition) continue;
         const bool swipe = meant.kind == sim::MeantKind::swipe;
+        const GestureKind kind = swipe ? GestureKind::swipe : GestureKind::grab;
         const auto found = std::find_if(left.begin(), left.end(), [&](const GestureEvent& e) {
-            return (e.kind == GestureKind::swipe) == swipe && e.hand == meant.hand &&
-                   (!swipe || e.direction == meant.direction) && overlaps(e, meant, kSlack);
+            return e.kind == kind && e.hand == meant.hand && (!swipe || e.direction == meant.direction) &&
+                   overlaps(e, meant, kSlack);
         });
         (swipe ? figures.swipes : figures.grabs).add(found != left.end());
         if (found != left.end()) {
             left.erase(found);
         } else {
-            figures.miss(recording, meant.start, "missed: " + wordsFor(swipe, meant.hand, meant.direction));
+            figures.miss(recording, meant.start, "missed: " + wordsFor(kind, meant.hand, meant.direction));
         }
     }
     for (const GestureEvent& event : left) {
