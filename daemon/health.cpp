@@ -57,6 +57,17 @@ bool HealthBoard::Pulse::standsStill(std::uint64_t now, hal::TimePoint time) {
     return time - *moved >= kHangs;
 }
 
+bool HealthBoard::Slowness::update(bool judged, double share, hal::TimePoint time) {
+    if (!judged || share >= (slow ? kQuickFrom : kSlowUnder)) {
+        since.reset();
+        slow = false;
+        return false;
+    }
+    if (!since) since = time;
+    slow = slow || time - *since >= kSlow;
+    return slow;
+}
+
 HealthBoard::Verdict HealthBoard::judgeView(fitting::ViewFault fault) {
     switch (fault) {
         case fitting::ViewFault::none:
@@ -71,8 +82,49 @@ HealthBoard::Verdict HealthBoard::judgeView(fitting::ViewFault fault) {
         case fitting::ViewFault::upsideDown:
             return {HealthState::degraded,
                     "the floor is where the ceiling should be: the sensor is upside down. Mend: turn it over"};
+        case fitting::ViewFault::floorElsewhere:
+            return {HealthState::degraded,
+                    "the floor does not lie where sensor.height_mm and sensor.tilt_deg (or the mount in sensor.json) "
+                    "say. Mend: measure both again, or set height_mm = 0 to have the floor found; if they are right, "
+                    "the focal length (fx, fy) is not this sensor's. Why: shoppers are put in wrong places and sizes"};
     }
     return {};
+}
+
+HealthBoard::Verdict HealthBoard::judgeSensor(const HealthInput& input) {
+    const MirrorStatus& mirror = input.mirror;
+    const bool judged =
+        mirror.camera == CameraState::streaming && mirror.sensorFramesPerSecond > 0.0 && input.sensorKeepsTime;
+    const bool slow = sensorRate_.update(judged, mirror.sensorFramesPerSecond / input.framesPerSecond, clock_.now());
+    Verdict verdict;
+    switch (mirror.camera) {
+        case CameraState::streaming:
+            verdict = judgeView(mirror.viewFault);
+            if (verdict.state == HealthState::ok && slow) {
+                verdict = {
+                    HealthState::degraded,
+                    "the sensor takes far fewer pictures a second than loop.fps asks for. Mend: give it a port "
+                    "of its own, without a hub or a long cable; where it can do no more, set loop.fps to what it "
+                    "does. Why: the mirror works, but joints lag behind and quick hands are overlooked"};
+            }
+            break;
+        case CameraState::closed:
+        case CameraState::waiting:
+            verdict = {HealthState::degraded, "waiting for its first frame"};
+            break;
+        case CameraState::lost:
+            verdict = {HealthState::fault, "there are no frames"};
+            break;
+        case CameraState::ended:
+            verdict = {HealthState::degraded, "the recording is over"};
+            break;
+    }
+    if (mirror.camera != CameraState::streaming && mirror.fault.length > 0) {
+        // A sensor that is opened again after a fault has not come back before its first frame has.
+        if (mirror.camera != CameraState::ended) verdict.state = HealthState::fault;
+        verdict.reason = mirror.fault.view();
+    }
+    return verdict;
 }
 
 HealthBoard::Verdict HealthBoard::judgeDisplay(const HealthInput& input) {
@@ -95,24 +147,19 @@ HealthBoard::Verdict HealthBoard::judgeLoop(const HealthInput& input) {
         return {HealthState::fault, "the frame loop hangs. Mend: it is restarted; if it comes back, send the journal"};
 
     // Without frames the last picture is shown four times a second, and that is as it should be.
-    const double due = input.framesPerSecond * DegradeLadder::rungs()[mirror.degradeLevel].rateShare;
+    double due = input.framesPerSecond * DegradeLadder::rungs()[mirror.degradeLevel].rateShare;
+    // No loop shows more than the sensor takes; that is told of the sensor.
+    if (mirror.sensorFramesPerSecond > 0.0) due = std::min(due, mirror.sensorFramesPerSecond);
     const double share = due > 0.0 ? mirror.framesPerSecond / due : 1.0;
-    const bool judged = mirror.camera == CameraState::streaming && mirror.pictures > 0;
-    if (!judged || share >= (slow_ ? kQuickFrom : kSlowUnder)) {
-        slowSince_.reset();
-        slow_ = false;
-    } else {
-        if (!slowSince_) slowSince_ = now;
-        slow_ = slow_ || now - *slowSince_ >= kSlow;
-    }
+    const bool slow = pictureRate_.update(mirror.camera == CameraState::streaming && mirror.pictures > 0, share, now);
     if (mirror.degradeLevel > 0) {
         return {HealthState::degraded, "drawn more plainly: " + std::string(mirror.degradeName) +
                                            ". Mend: see which task overruns, and what else this machine is doing"};
     }
-    if (slow_) {
+    if (slow) {
         return {HealthState::degraded,
                 "fewer pictures a second than loop.fps asks for. Mend: see what else this machine is doing, or whether "
-                "the sensor or the display is slower than that"};
+                "the display is slower than that"};
     }
     return {};
 }
@@ -120,28 +167,7 @@ HealthBoard::Verdict HealthBoard::judgeLoop(const HealthInput& input) {
 const std::vector<PartHealth>& HealthBoard::update(const HealthInput& input) {
     const MirrorStatus& mirror = input.mirror;
 
-    Verdict sensor;
-    switch (mirror.camera) {
-        case CameraState::streaming:
-            sensor = judgeView(mirror.viewFault);
-            break;
-        case CameraState::closed:
-        case CameraState::waiting:
-            sensor = {HealthState::degraded, "waiting for its first frame"};
-            break;
-        case CameraState::lost:
-            sensor = {HealthState::fault, "there are no frames"};
-            break;
-        case CameraState::ended:
-            sensor = {HealthState::degraded, "the recording is over"};
-            break;
-    }
-    if (mirror.camera != CameraState::streaming && mirror.fault.length > 0) {
-        // A sensor that is opened again after a fault has not come back before its first frame has.
-        if (mirror.camera != CameraState::ended) sensor.state = HealthState::fault;
-        sensor.reason = mirror.fault.view();
-    }
-    tell("sensor", std::move(sensor));
+    tell("sensor", judgeSensor(input));
 
     tell("display", judgeDisplay(input));
 

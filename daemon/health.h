@@ -41,6 +41,7 @@ struct PartHealth {
 struct HealthInput {
     MirrorStatus mirror;
     double framesPerSecond = 30.0;      ///< As the settings ask for.
+    bool sensorKeepsTime = true;        ///< False: a recording, which may have any number of frames a second.
     bool haveDisplay = true;            ///< False: headless on purpose.
     bool haveButtons = true;            ///< False: none are configured.
     bool haveBody = true;               ///< A mannequin was loaded.
@@ -58,7 +59,7 @@ class HealthBoard {
     /// The loop and the renderer hang when they have not turned for this long; even without a sensor the one turns ten
     /// times a second and the other four.
     static constexpr hal::Duration kHangs = std::chrono::seconds(3);
-    /// Fewer pictures than asked for must last this long to count.
+    /// Fewer pictures, or frames of the sensor, than asked for must last this long to count.
     static constexpr hal::Duration kSlow = std::chrono::seconds(5);
 
     explicit HealthBoard(const hal::Clock& clock, WallClock wall = std::chrono::system_clock::now);
@@ -81,7 +82,16 @@ class HealthBoard {
         bool standsStill(std::uint64_t now, hal::TimePoint time);
     };
 
+    /// Something that is slower than it should be. Once it counts, it must become clearly better to count no more.
+    struct Slowness {
+        std::optional<hal::TimePoint> since;
+        bool slow = false;
+        /// `share` of what is due is reached; `judged`: there is something to judge.
+        bool update(bool judged, double share, hal::TimePoint time);
+    };
+
     static Verdict judgeView(fitting::ViewFault fault);
+    Verdict judgeSensor(const HealthInput& input);
     Verdict judgeLoop(const HealthInput& input);
     Verdict judgeDisplay(const HealthInput& input);
     void tell(std::string_view part, Verdict verdict);
@@ -91,8 +101,8 @@ class HealthBoard {
     std::vector<PartHealth> parts_;
     Pulse turns_;
     Pulse pictures_;
-    std::optional<hal::TimePoint> slowSince_;  ///< Since when there are too few pictures.
-    bool slow_ = false;
+    Slowness pictureRate_;
+    Slowness sensorRate_;
 };
 
 /// The worst of the parts; ok where there are only parts that are ok or absent by design.

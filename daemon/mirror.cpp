@@ -124,7 +124,10 @@ CameraNext Mirror::takeFrame() {
         frame_.restart = false;
         if (supervisor_.outage() >= kPictureStays) chain_->personMayHaveChanged();
     }
-    if (next == CameraNext::frame) otherCamera_ = false;
+    if (next == CameraNext::frame) {
+        otherCamera_ = false;
+        sensorRate_.add(frame_);
+    }
     if (supervisor_.recovery().counts() != rungsTold_) {
         const RecoveryRung rung = supervisor_.recovery().rung();
         const bool quiet = supervisor_.recovery().counts()[0] != rungsTold_[0] || parts_.runToTheEnd;
@@ -207,6 +210,7 @@ void Mirror::afterLoop(hal::Duration taken, bool haveFrame) {
     status_.camera = supervisor_.state();
     status_.fault.assign(faultText_);
     status_.viewFault = chain_->tracker().viewFault();
+    status_.sensorFramesPerSecond = sensorRate_.hz();
     status_.recovery = supervisor_.recovery().counts();
     status_.openings = supervisor_.openings();
     if (chain_->buttonsFault() != status_.buttonsFault.view() && !parts_.runToTheEnd) {

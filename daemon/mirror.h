@@ -18,6 +18,7 @@
 #include "daemon/degrade_ladder.h"
 #include "daemon/frame_chain.h"
 #include "daemon/frame_packet.h"
+#include "daemon/frame_rate.h"
 #include "daemon/picture_maker.h"
 #include "daemon/triple_buffer.h"
 #include "daemon/wardrobe.h"
@@ -52,7 +53,8 @@ struct MirrorStatus {
     CameraState camera = CameraState::closed;
     render::FixedText<512> fault;
     fitting::ViewFault viewFault = fitting::ViewFault::none;  ///< What keeps people from being seen.
-    render::FixedText<256> buttonsFault;                      ///< Why the buttons cannot be read; empty while they can.
+    double sensorFramesPerSecond = 0.0;   ///< What the sensor takes, not what is shown; 0: not known yet.
+    render::FixedText<256> buttonsFault;  ///< Why the buttons cannot be read; empty while they can.
     render::FixedText<512> displayFault;  ///< Why the last picture was not shown; empty where it was.
     bool avatarView = false;
     double framesPerSecond = 0.0;
@@ -131,6 +133,7 @@ class Mirror {
     hal::DepthFrame frame_;
     std::uint64_t openingsSeen_ = 0;
     hal::CameraInfo lastCamera_;
+    FrameRate sensorRate_;
     bool otherCamera_ = true;  ///< No frame yet of a sensor that was not there before.
     hal::TimePoint nextDue_{};
     hal::Duration basePeriod_{};

@@ -58,6 +58,7 @@ void ServiceControl::report(const Subject& subject) {
         snapshot.outfits.push_back({.id = choice.id, .name = choice.name});
     HealthInput input{.mirror = snapshot.mirror,
                       .framesPerSecond = subject.settings.loop.fps,
+                      .sensorKeepsTime = subject.settings.sensor.source != config::SensorSource::replay,
                       .haveDisplay = subject.settings.display.kind != config::DisplayKind::headless,
                       .haveButtons = subject.haveButtons,
                       .haveBody = subject.wardrobe.body.has_value(),

@@ -24,12 +24,13 @@ struct User {
     std::uint8_t label = 0;  ///< The value of this person's pixels in the user map.
 };
 
-/// Why nobody can be seen, or not as they are, whoever stands there.
+/// Why nobody can be seen, or not as they are or where they are, whoever stands there.
 enum class ViewFault : std::uint8_t {
     none,
-    noReadings,  ///< Hardly a pixel has a depth: sunlight, a dead projector, or nothing within reach.
-    covered,     ///< Something close fills the view: a hand, a coat, a poster, a wall.
-    upsideDown,  ///< The floor is where the ceiling should be.
+    noReadings,      ///< Hardly a pixel has a depth: sunlight, a dead projector, or nothing within reach.
+    covered,         ///< Something close fills the view: a hand, a coat, a poster, a wall.
+    upsideDown,      ///< The floor is where the ceiling should be.
+    floorElsewhere,  ///< The floor is not where the written-down mount puts it: that, or the focal length, is wrong.
 };
 
 /// Everybody in one frame. The map belongs to the tracker and is valid until its next frame.

@@ -1,5 +1,9 @@
 #include "hal/depth_camera.h"
 
+#include <utility>
+
+#include "hal/intrinsics_check.h"
+
 namespace cheval::hal {
 
 Expected<void> DepthCamera::open() {
@@ -10,6 +14,11 @@ Expected<void> DepthCamera::open() {
     interrupt_.clear();
     Expected<CameraInfo> opened = doOpen();
     if (!opened) return std::move(opened).error();
+    Expected<void> plausible = checkIntrinsics(opened->intrinsics);
+    if (!plausible) {
+        doClose();
+        return std::move(plausible).error().within("what \"" + opened->name + "\" says of its lens cannot be");
+    }
     info_ = std::move(*opened);
     open_ = true;
     return {};

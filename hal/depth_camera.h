@@ -37,8 +37,10 @@ class DepthCamera {
     DepthCamera(const DepthCamera&) = delete;
     DepthCamera& operator=(const DepthCamera&) = delete;
 
-    /// Starts the stream. Opening an open camera is an error; after close() it may be opened again, any number of
-    /// times. A slow device may answer ErrorCode::timedOut: it is still being opened, and the next call waits on.
+    /// Starts the stream. Errors: those of the back end; invalidInput where the camera's intrinsics cannot be those of
+    /// a depth sensor (intrinsics_check.h). Opening an open camera is an error; after close() it may be opened again,
+    /// any number of times. A slow device may answer ErrorCode::timedOut: it is still being opened, and the next call
+    /// waits on.
     Expected<void> open();
     /// Stops and starts the stream of an open camera, for a device that is there and sends nothing. Errors: unavailable
     /// where it has no such thing.

@@ -24,7 +24,7 @@ constexpr float kWalkedMetres = 0.35F;
 constexpr double kMannequinSeconds = 10.0;
 constexpr double kForgetSeconds = 2.0;
 /// Whoever comes into view moves. What was there before anything was seen has this long to stir.
-constexpr double kDoubtSeconds = 0.5;
+constexpr float kDoubtSeconds = 1.0F;
 /// How far a living person's centroid or spread goes; noise and flicker stay below.
 constexpr float kStirredMetres = 0.010F;
 /// A centroid that has gone this far has moved; noise and flicker move it by less than a centimetre.
@@ -113,6 +113,11 @@ void People::update(const Cloud& cloud, hal::TimePoint time, bool floorKnown) {
     started_ = true;
     lastTime_ = time;
     std::swap(labels_, previousLabels_);
+    // A still picture that is shown again and again does not tell who is alive.
+    const bool still = std::equal(cloud.depth.begin(), cloud.depth.end(), previousDepth_.begin());
+    for (Person& person : people_) {
+        if (!still) person.watched += elapsed;
+    }
 
     findForeground(cloud, floorKnown);
     ComponentsJob job{.cloud = &cloud,
@@ -249,7 +254,7 @@ void People::adopt(std::size_t component, hal::TimePoint time) {
         *place = Person{};
         place->id = nextId_++;
         place->birthplace = place->restingPlace = centroid;
-        place->lastMoved = place->firstSeen = time;
+        place->lastMoved = time;
         place->wasThere = first_;
     }
     place->seen = true;
@@ -441,7 +446,7 @@ void People::chooseActive(hal::TimePoint time) {
     const Person* nearest = nullptr;
     const Person* held = nullptr;
     const auto counts = [&](const Person& person) {
-        return person.alive || (person.wasThere && hal::seconds(time - person.firstSeen) <= kDoubtSeconds);
+        return person.alive || (person.wasThere && person.watched <= kDoubtSeconds);
     };
     for (const Person& person : people_) {
         if (person.id == 0) continue;

@@ -73,12 +73,12 @@ class People {
         Eigen::Vector3f spread = Eigen::Vector3f::Zero();  ///< Of its surface about the centroid: deviations, metres.
         /// Both as first seen with nobody near; the centroid in the sensor frame, in metres.
         Eigen::Vector3f firstCentroid = Eigen::Vector3f::Zero(), firstSpread = Eigen::Vector3f::Zero();
-        float tallest = 0.0F;   ///< The highest that was ever seen of it.
-        int lowFrames = 0;      ///< In a row that showed something low and long.
-        int settled = 0;        ///< Frames in a row with nobody near.
-        bool alive = false;     ///< They have changed since.
-        bool wasThere = false;  ///< In the first frame of all.
-        hal::TimePoint firstSeen{};
+        float tallest = 0.0F;          ///< The highest that was ever seen of it.
+        int lowFrames = 0;             ///< In a row that showed something low and long.
+        int settled = 0;               ///< Frames in a row with nobody near.
+        bool alive = false;            ///< They have changed since.
+        bool wasThere = false;         ///< In the first frame of all.
+        float watched = 0.0F;          ///< Seconds of moving pictures in which it could have stirred.
         bool seen = false;             ///< In this frame.
         hal::TimePoint hiddenSince{};  ///< When somebody began to stand before them, while unseen.
         bool hidden = false;

@@ -59,10 +59,16 @@ MountEstimate mountOver(const SensorPlacement& placement, const Eigen::Vector3f&
             .roll = std::atan2(up.x(), up.y())};
 }
 
+Eigen::Vector3f floorUnder(const SensorPlacement& placement, const MountEstimate& mount) {
+    const Eigen::Vector3f normal = placement.rotation * placementFrom(mount).rotation.row(1).transpose();
+    const float offset = normal.dot(placement.translation) - mount.height;
+    return Eigen::Vector3f(offset, -normal.x(), -normal.z()) / normal.y();
+}
+
 void FloorFitJob::run() {
     found = false;
     // The plane y = a + b·x + c·z in the mirror frame that the present mount makes.
-    Eigen::Vector3d plane = Eigen::Vector3d::Zero();
+    Eigen::Vector3d plane = start.cast<double>();
     float reach = band;
     for (int round = 0; round < 3; ++round, reach *= 0.5F) {
         Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();

@@ -27,12 +27,17 @@ SensorPlacement placementFrom(const MountEstimate& mount);
 /// The mount of a sensor placed at `placement` when the floor is the plane through `point` with this upward unit
 /// normal, both in the mirror frame that this placement makes.
 MountEstimate mountOver(const SensorPlacement& placement, const Eigen::Vector3f& normal, const Eigen::Vector3f& point);
+/// The other way: where a floor that would give this mount lies in the mirror frame that `placement` makes, as
+/// FloorFitJob::start has it.
+Eigen::Vector3f floorUnder(const SensorPlacement& placement, const MountEstimate& mount);
 
 /// Fits the floor's plane to the points near where it is expected (least squares, three rounds, each with a narrower
 /// band) and turns it into a corrected mount. Invalid without a cloud of its declared size.
 struct FloorFitJob {
     const Cloud* cloud = nullptr;  ///< Made with the placement that is expected.
     float band = 0.12F;            ///< Metres above and below the expected floor that are looked at first.
+    /// Where that floor is in the cloud: y = start[0] + start[1]·x + start[2]·z.
+    Eigen::Vector3f start = Eigen::Vector3f::Zero();
 
     MountEstimate corrected;    ///< Out: valid only if found.
     bool found = false;         ///< Out.

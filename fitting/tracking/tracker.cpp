@@ -6,6 +6,7 @@
 
 #include "fitting/tracking/body_tracker.h"
 #include "fitting/tracking/cloud.h"
+#include "fitting/tracking/floor_watch.h"
 #include "fitting/tracking/gestures.h"
 #include "fitting/tracking/hand_reader.h"
 #include "fitting/tracking/people.h"
@@ -18,7 +19,8 @@ using namespace tracking;  // NOLINT(google-build-using-namespace): the room's o
 
 struct Tracker::State {
     explicit State(const TrackerOptions& options)
-        : placement(options.mount),
+        : floor(options.mount),
+          placement(options.mount),
           people(Zone{.nearMetres = options.zoneNearMetres,
                       .farMetres = options.zoneFarMetres,
                       .halfWidthMetres = options.zoneHalfWidthMetres}),
@@ -27,6 +29,7 @@ struct Tracker::State {
 
     void reset() {
         view.reset();
+        floor.reset();
         placement.reset();
         people.reset();
         body.reset();
@@ -46,6 +49,7 @@ struct Tracker::State {
     void drawMap(const hal::DepthFrame& frame);
 
     ViewWatch view;
+    FloorWatch floor;
     PlacementFilter placement;
     People people;
     BodyTracker body;
@@ -94,6 +98,7 @@ void Tracker::track(const hal::DepthFrame& frame) {
     }
     points.run();
     state.view.update(&state.cloud, frame.captureTime);
+    state.floor.update(state.cloud, frame.captureTime);
     if (state.placement.update(state.cloud)) {
         // Places of before are in another frame of reference now.
         state.people.reset();
@@ -135,7 +140,9 @@ const Hands& Tracker::hands() const {
     return state_->hands;
 }
 ViewFault Tracker::viewFault() const {
-    return state_->view.fault();
+    // A view that shows nothing says nothing of the floor.
+    const ViewFault fault = state_->view.fault();
+    return fault == ViewFault::none && state_->floor.elsewhere() ? ViewFault::floorElsewhere : fault;
 }
 const SensorPlacement& Tracker::placement() const {
     return state_->placement.placement();

@@ -40,7 +40,7 @@ class Tracker {
     [[nodiscard]] const Users& users() const;
     [[nodiscard]] const Skeleton& skeleton() const;
     [[nodiscard]] const Hands& hands() const;
-    /// What keeps people from being seen, when it has lasted.
+    /// What keeps people from being seen, or from being seen where they are, when it has lasted.
     [[nodiscard]] ViewFault viewFault() const;
     /// Where the sensor is, as known now.
     [[nodiscard]] const SensorPlacement& placement() const;

@@ -26,12 +26,15 @@ ViewFault ViewWatch::judge(const Cloud& cloud) {
     int below = 0;
     int above = 0;
     const float height = cloud.placement.translation.y();
+    const float along = cloud.placement.rotation(1, 2);
     for (std::size_t i = 0; i < kCloudCells; ++i) {
         const float depth = cloud.depth[i];
         if (depth <= 0.0F) continue;
         ++readings;
         if (depth < kClose) ++close;
-        // A sensor on its head sees the floor mirrored at its own height. Unlike walls, floors come nearer row by row.
+        // A sensor on its head sees the floor mirrored at the line that it looks along. Unlike walls, floors come
+        // nearer row by row.
+        const float mirrored = 2.0F * (height + along * depth) - cloud.y[i];
         const int row = cellRow(i);
         const auto comesNearer = [&](std::size_t other) {
             return cloud.depth[other] > 0.0F && depth - cloud.depth[other] > kNearer;
@@ -39,7 +42,7 @@ ViewFault ViewWatch::judge(const Cloud& cloud) {
         if (std::abs(cloud.y[i]) < kFloorBand && row + kRows < kCloudHeight && comesNearer(i + kRows * kCloudWidth)) {
             ++below;
         }
-        if (std::abs(2.0F * height - cloud.y[i]) < kFloorBand && row >= kRows && comesNearer(i - kRows * kCloudWidth)) {
+        if (std::abs(mirrored) < kFloorBand && row >= kRows && comesNearer(i - kRows * kCloudWidth)) {
             ++above;
         }
     }

@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hal/intrinsics_check.h"
+
 namespace cheval::hal {
 
 namespace {
@@ -155,6 +157,11 @@ Expected<SensorDescription> parseSensorJson(std::string_view text, const std::st
     keys.boolean("independent", description.independent);
     const Json* mount = keys.object("mount");
     if (auto done = keys.finish(); !done) return std::move(done).error();
+    if (auto plausible = checkIntrinsics(camera); !plausible) {
+        Error error = std::move(plausible).error();
+        error.file = file;
+        return error;
+    }
     if (mount == nullptr) return description;
 
     KeyReader mountKeys(*mount, "mount.", file);

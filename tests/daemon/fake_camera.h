@@ -20,6 +20,7 @@ struct CameraScript {
     std::uint64_t sequence = 0;
     int width = 640;  ///< Of the depth picture.
     int height = 480;
+    hal::Duration period = std::chrono::microseconds(33'333);
     int colourWidth = 640;  ///< Another than the depth's is a fault of the camera.
 
     Does next() {
@@ -29,7 +30,7 @@ struct CameraScript {
     }
 };
 
-/// Frames without a reading, 30 a second.
+/// Frames without a reading, 30 a second unless the script says otherwise.
 class FakeCamera final : public hal::DepthCamera {
   public:
     FakeCamera(CameraScript& script, hal::Clock& clock)
@@ -48,14 +49,22 @@ class FakeCamera final : public hal::DepthCamera {
             return Error{.code = ErrorCode::unavailable, .cause = "busy", .mend = "wait"};
         }
         ++script_.opened;
-        return hal::CameraInfo{.name = "fake", .intrinsics = {.width = script_.width, .height = script_.height}};
+        const hal::Intrinsics usual;
+        const float larger = static_cast<float>(script_.width) / static_cast<float>(usual.width);
+        return hal::CameraInfo{.name = "fake",
+                               .intrinsics = {.width = script_.width,
+                                              .height = script_.height,
+                                              .fx = larger * usual.fx,
+                                              .fy = larger * usual.fy,
+                                              .cx = 0.5F * static_cast<float>(script_.width - 1),
+                                              .cy = 0.5F * static_cast<float>(script_.height - 1)}};
     }
     void doClose() override { ++script_.closed; }
     hal::FrameStatus doWaitFrame(hal::Duration timeout, hal::DepthFrame& frame, hal::Interrupt& interrupt) override {
         if (interrupt.raised()) return hal::FrameStatus::closed;
         switch (script_.next()) {
             case Does::frame:
-                clock_.waitUntil(clock_.now() + std::chrono::microseconds(33'333), interrupt);
+                clock_.waitUntil(clock_.now() + script_.period, interrupt);
                 frame = {.sequence = ++script_.sequence,
                          .sourceIndex = script_.sequence,
                          .captureTime = clock_.now(),

@@ -59,7 +59,8 @@ TEST_F(HealthTest, ASensorThatCanShowNobodySaysWhyAndHowToMendIt) {
     const std::pair<fitting::ViewFault, std::string> cases[] = {
         {fitting::ViewFault::noReadings, "hardly a pixel"},
         {fitting::ViewFault::covered, "fills the sensor's view"},
-        {fitting::ViewFault::upsideDown, "upside down"}};
+        {fitting::ViewFault::upsideDown, "upside down"},
+        {fitting::ViewFault::floorElsewhere, "does not lie where sensor.height_mm"}};
     for (const auto& [fault, words] : cases) {
         input_.mirror.viewFault = fault;
         EXPECT_EQ(part("sensor").state, HealthState::degraded);
@@ -246,6 +247,63 @@ TEST_F(HealthTest, TooFewPicturesCountOnlyWhenTheyLastAndEndWithRoomToSpare) {
     EXPECT_EQ(part("loop").since, since) << "the figure is no part of the reason";
     input_.mirror.framesPerSecond = 28.0;
     EXPECT_EQ(part("loop").state, HealthState::ok);
+}
+
+TEST_F(HealthTest, ASlowSensorIsToldOfTheSensorAloneWhenItLastsAndUntilItIsClearlyBetter) {
+    turn();
+    input_.mirror.sensorFramesPerSecond = input_.mirror.framesPerSecond = 5.0;
+    pass(HealthBoard::kSlow - seconds(1));
+    EXPECT_EQ(part("sensor").state, HealthState::ok);
+    pass(seconds(2));
+    EXPECT_EQ(part("sensor").state, HealthState::degraded);
+    for (const char* words : {"fewer pictures a second than loop.fps", "Mend: ", "Why: "})
+        EXPECT_THAT(part("sensor").reason, HasSubstr(words));
+    pass(seconds(60));
+    EXPECT_EQ(part("loop").state, HealthState::ok) << "it shows all that there is";
+    const hal::TimePoint since = part("sensor").since;
+    input_.mirror.sensorFramesPerSecond = 25.0;  // 83 %: better, but not yet well.
+    pass(seconds(10));
+    EXPECT_EQ(part("sensor").state, HealthState::degraded);
+    EXPECT_EQ(part("sensor").since, since) << "the figure is no part of the reason";
+    input_.mirror.sensorFramesPerSecond = 29.0;
+    EXPECT_EQ(part("sensor").state, HealthState::ok);
+    input_.mirror.sensorFramesPerSecond = 25.0;
+    pass(seconds(60));
+    EXPECT_EQ(part("sensor").state, HealthState::ok) << "a little slow is no reason";
+}
+
+TEST_F(HealthTest, ALoopThatShowsLessThanASlowSensorTakesIsSlowItself) {
+    turn();
+    input_.mirror.sensorFramesPerSecond = 15.0;
+    input_.mirror.framesPerSecond = 8.0;
+    pass(HealthBoard::kSlow + seconds(1));
+    EXPECT_EQ(part("sensor").state, HealthState::degraded);
+    EXPECT_EQ(part("loop").state, HealthState::degraded);
+}
+
+TEST_F(HealthTest, ASlowSensorIsNoNewsWhileItIsNotKnownOrLostOrARecording) {
+    input_.mirror.framesPerSecond = 5.0;
+    input_.mirror.sensorFramesPerSecond = 0.0;
+    pass(seconds(30));
+    EXPECT_EQ(part("sensor").state, HealthState::ok) << "not known yet";
+    input_.mirror.sensorFramesPerSecond = 5.0;
+    input_.sensorKeepsTime = false;
+    pass(seconds(30));
+    EXPECT_EQ(part("sensor").state, HealthState::ok) << "a recording may be of any rate";
+    input_.sensorKeepsTime = true;
+    input_.mirror.camera = CameraState::lost;
+    pass(seconds(30));
+    EXPECT_THAT(part("sensor").reason, HasSubstr("no frames"));
+}
+
+TEST_F(HealthTest, AViewThatShowsNobodyIsToldBeforeASlowSensor) {
+    turn();
+    input_.mirror.sensorFramesPerSecond = 5.0;
+    input_.mirror.viewFault = fitting::ViewFault::covered;
+    pass(seconds(30));
+    EXPECT_THAT(part("sensor").reason, HasSubstr("fills the sensor's view"));
+    input_.mirror.viewFault = fitting::ViewFault::none;
+    EXPECT_THAT(part("sensor").reason, HasSubstr("fewer pictures a second"));
 }
 
 TEST_F(HealthTest, WithoutASensorFourPicturesASecondAreRight) {

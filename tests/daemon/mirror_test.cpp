@@ -258,6 +258,18 @@ TEST_F(MirrorTest, staysLitWhenThereIsNoCameraAtAll) {
     EXPECT_EQ(status.drawTurns, 50U);
 }
 
+TEST_F(MirrorTest, knowsHowManyFramesItsSensorTakes) {
+    script_ = {.steps = {Does::frame}, .period = std::chrono::milliseconds(200)};
+    Mirror& mirror = lightScript();
+    // A picture in 0.2 s; the loop waits for half of that at most.
+    while (mirror.status().frames < 9)
+        ASSERT_TRUE(mirror.step(never));
+    EXPECT_EQ(mirror.status().sensorFramesPerSecond, 0.0);
+    while (mirror.status().frames < 20)
+        ASSERT_TRUE(mirror.step(never));
+    EXPECT_NEAR(mirror.status().sensorFramesPerSecond, 5.0, 0.1);
+}
+
 TEST_F(MirrorTest, staysLitWhenTheRecordingEnds) {
     script_.steps = {Does::frame, Does::frame, Does::end};
     Mirror& mirror = lightScript();

@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <random>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,6 +34,19 @@ constexpr int kDarkestPicture = 8;    ///< Mean brightness of a picture that sho
 constexpr hal::Duration kGiveUp = seconds(60);
 
 enum class Fault { kill, stall, unplug };
+constexpr std::array<Fault, 3> kFaults = {Fault::kill, Fault::stall, Fault::unplug};
+
+const char* nameOf(Fault fault) {
+    switch (fault) {
+        case Fault::kill:
+            return "kill -9";
+        case Fault::stall:
+            return "stall";
+        case Fault::unplug:
+            return "unplug";
+    }
+    return "";
+}
 
 /// What the renderer's thread saw. Thread-safe.
 class Witness {
@@ -125,9 +139,14 @@ bool waitFor(hal::Clock& clock, hal::Duration limit, const auto& done) {
     return true;
 }
 
-struct Outcome {
+/// After faults of one kind.
+struct Recoveries {
     std::vector<double> dressedAgain;  ///< Seconds.
     int never = 0;
+};
+
+struct Outcome {
+    std::array<Recoveries, kFaults.size()> after;  ///< By Fault.
     double longestGap = 0.0;
     int darkest = 255;
     std::uint64_t servicePictures = 0;
@@ -146,15 +165,21 @@ int fail(const Error& error) {
 }
 
 /// Visits of this length follow each other; in this part of each the shopper stands before the glass, long enough for
-/// the longest fault and for what comes after it.
-constexpr double kVisit = 40.0;
-constexpr double kFaultsFrom = 7.0;
-constexpr double kFaultsTo = 24.0;
+/// the longest fault and for what comes after it. Seconds.
+struct Visits {
+    int length;
+    double begun;  ///< How much of the first is over at the start.
+    double faultsFrom, faultsTo;
+};
+constexpr Visits kManyVisits{.length = 40, .begun = 0.0, .faultsFrom = 7.0, .faultsTo = 24.0};
+/// One that three faults fit into: to wait for the next would take longer than all of them.
+constexpr Visits kOneLongVisit{.length = 80, .begun = 10.0, .faultsFrom = 14.0, .faultsTo = 48.0};
 
-/// `rounds` faults of one kind, each while a shopper is dressed.
-Expected<Outcome> visits(Fault fault, int rounds, unsigned seed) {
-    const hal::TimePoint zero = hal::SteadyClock().now();
-    test::SensorWorld world(test::SensorWorld::visitInProgress("seed=4,noise=1,visit_s=40,pause_s=0", 0.0));
+/// `rounds` of these faults, one after another, each while a shopper is dressed.
+Expected<Outcome> outcomeOf(std::span<const Fault> faults, int rounds, const Visits& visits, unsigned seed) {
+    const hal::TimePoint zero = hal::SteadyClock().now() - hal::fromSeconds(visits.begun);
+    test::SensorWorld world(test::SensorWorld::visitInProgress(
+        "seed=4,noise=1,pause_s=0,visit_s=" + std::to_string(visits.length), visits.begun));
     config::Settings settings = config::defaultSettings();
     settings.sensor.source = config::SensorSource::openni;
     settings.wardrobe.folder = CHEVAL_ASSETS;
@@ -194,12 +219,16 @@ Expected<Outcome> visits(Fault fault, int rounds, unsigned seed) {
         return milliseconds(low + static_cast<int>(random() % static_cast<unsigned>(high - low)));
     };
     hal::Interrupt never;
-    for (int round = 0; round < rounds; ++round) {
+    for (std::size_t turn = 0; turn < static_cast<std::size_t>(rounds) * faults.size(); ++turn) {
+        const Fault fault = faults[turn % faults.size()];
+        Recoveries& after = outcome.after[static_cast<std::size_t>(fault)];
         clock.waitUntil(clock.now() + between(1000, 3000), never);
-        const auto phase = [&] { return std::fmod(hal::seconds(clock.now() - zero), kVisit); };
-        const auto dressedNow = [&] { return phase() > kFaultsFrom && phase() < kFaultsTo && witness.dressedNow(); };
+        const auto phase = [&] { return std::fmod(hal::seconds(clock.now() - zero), visits.length); };
+        const auto dressedNow = [&] {
+            return phase() > visits.faultsFrom && phase() < visits.faultsTo && witness.dressedNow();
+        };
         if (!waitFor(clock, kGiveUp, dressedNow)) {
-            ++outcome.never;
+            ++after.never;
             continue;
         }
         if (fault == Fault::kill) {
@@ -212,9 +241,9 @@ Expected<Outcome> visits(Fault fault, int rounds, unsigned seed) {
         const hal::TimePoint canFlow = clock.now();
         witness.ask(canFlow);
         if (waitFor(clock, kGiveUp, [&] { return witness.answered() != hal::TimePoint{}; })) {
-            outcome.dressedAgain.push_back(hal::seconds(witness.answered() - canFlow));
+            after.dressedAgain.push_back(hal::seconds(witness.answered() - canFlow));
         } else {
-            ++outcome.never;
+            ++after.never;
         }
     }
     outcome.longestGap = witness.longestGap();
@@ -228,45 +257,70 @@ Expected<Outcome> visits(Fault fault, int rounds, unsigned seed) {
 }
 
 /// With `goal` the goal itself is held, which an idle machine meets; else that it happens at all.
-int run(int rounds, unsigned seed, bool goal) {
-    bool good = true;
+bool judge(std::span<const Fault> faults, const Outcome& outcome, bool goal) {
+    bool good = outcome.darkest >= kDarkestPicture && (!goal || outcome.longestGap <= kDarkSeconds);
+    for (const Fault fault : faults) {
+        const Recoveries& after = outcome.after[static_cast<std::size_t>(fault)];
+        const std::vector<double>& again = after.dressedAgain;
+        const auto late = std::count_if(again.begin(), again.end(), [](double took) { return took > kGoalSeconds; });
+        std::printf("%-8s %7d %9.2f %9.2f %9.2f %9ld %9d %9.2f %9d\n", nameOf(fault),
+                    static_cast<int>(again.size()) + after.never, quantile(again, 0.5), quantile(again, 0.95),
+                    quantile(again, 1.0), static_cast<long>(late), after.never, outcome.longestGap, outcome.darkest);
+        good = good && after.never == 0 && (!goal || late == 0);
+    }
+    std::printf("         rungs:");
+    for (std::size_t rung = 0; rung < outcome.rungs.size(); ++rung) {
+        const std::string_view rungName = daemon::name(static_cast<daemon::RecoveryRung>(rung));
+        std::printf(" %.*s %llu", static_cast<int>(rungName.size()), rungName.data(),
+                    static_cast<unsigned long long>(outcome.rungs[rung]));
+    }
+    std::printf("; service screen in %llu pictures\n", static_cast<unsigned long long>(outcome.servicePictures));
+    std::fflush(stdout);
+    return good;
+}
+
+void printHead() {
     std::printf("%-8s %7s %9s %9s %9s %9s %9s %9s %9s\n", "fault", "rounds", "p50 s", "p95 s", "max s", "over 2 s",
                 "never", "gap s", "darkest");
-    for (const auto& [fault, name] :
-         {std::pair{Fault::kill, "kill -9"}, {Fault::stall, "stall"}, {Fault::unplug, "unplug"}}) {
-        const Expected<Outcome> outcome = visits(fault, rounds, seed);
-        if (!outcome) return fail(outcome.error());
-        const auto late = std::count_if(outcome->dressedAgain.begin(), outcome->dressedAgain.end(),
-                                        [](double took) { return took > kGoalSeconds; });
-        std::printf("%-8s %7d %9.2f %9.2f %9.2f %9ld %9d %9.2f %9d\n", name, rounds,
-                    quantile(outcome->dressedAgain, 0.5), quantile(outcome->dressedAgain, 0.95),
-                    quantile(outcome->dressedAgain, 1.0), static_cast<long>(late), outcome->never, outcome->longestGap,
-                    outcome->darkest);
-        std::printf("         rungs:");
-        for (std::size_t rung = 0; rung < outcome->rungs.size(); ++rung) {
-            const std::string_view rungName = daemon::name(static_cast<daemon::RecoveryRung>(rung));
-            std::printf(" %.*s %llu", static_cast<int>(rungName.size()), rungName.data(),
-                        static_cast<unsigned long long>(outcome->rungs[rung]));
-        }
-        std::printf("; service screen in %llu pictures\n", static_cast<unsigned long long>(outcome->servicePictures));
-        std::fflush(stdout);
-        good = good && outcome->never == 0 && outcome->darkest >= kDarkestPicture;
-        if (goal) good = good && late == 0 && outcome->longestGap <= kDarkSeconds;
-    }
+}
+
+int conclude(bool good) {
     std::printf("%s\n", good ? "passed" : "FAILED");
     return good ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
+/// Each kind by itself, over many visits, held to the goals.
+int runLong(unsigned seed) {
+    constexpr int kRounds = 100;
+    bool good = true;
+    printHead();
+    for (const Fault& fault : kFaults) {
+        const std::span<const Fault> one(&fault, 1);
+        const Expected<Outcome> outcome = outcomeOf(one, kRounds, kManyVisits, seed);
+        if (!outcome) return fail(outcome.error());
+        good = judge(one, *outcome, true) && good;
+    }
+    return conclude(good);
+}
+
+/// All kinds in turn, in one visit where they fit.
+int runShort(int rounds, unsigned seed) {
+    printHead();
+    const Expected<Outcome> outcome = outcomeOf(kFaults, rounds, kOneLongVisit, seed);
+    if (!outcome) return fail(outcome.error());
+    return conclude(judge(kFaults, *outcome, false));
+}
+
 }  // namespace
 
-/// soak_sensor_faults [ROUNDS [SEED]]: 100 of each fault, held to the goals, if nothing is said; with ROUNDS, only that
-/// the shopper is dressed again each time and the mirror never dark.
+/// soak_sensor_faults [ROUNDS [SEED]]: 100 of each fault, held to the goals, if nothing is said; with ROUNDS, so many
+/// of each in turn, and only that the shopper is dressed again each time and the mirror never dark.
 int main(int argc, char** argv) {
-    const int rounds = argc > 1 ? std::atoi(argv[1]) : 100;
+    const int rounds = argc > 1 ? std::atoi(argv[1]) : 0;
     const unsigned seed = argc > 2 ? static_cast<unsigned>(std::atoi(argv[2])) : 1U;
-    if (rounds < 1) {
+    if (argc > 1 && rounds < 1) {
         std::fprintf(stderr, "usage: soak_sensor_faults [ROUNDS [SEED]], at least one round\n");
         return 2;
     }
-    return run(rounds, seed, argc <= 1);
+    return argc > 1 ? runShort(rounds, seed) : runLong(seed);
 }

@@ -1,7 +1,9 @@
-# cheval_fuzz(NAME SOURCES… LIBRARIES…) makes a fuzz target of a source that defines LLVMFuzzerTestOneInput and
+# cheval_fuzz(NAME [MUTATIONS n] [UNIT n] SOURCES… LIBRARIES…) makes a fuzz target of a source that defines LLVMFuzzerTestOneInput and
 # cheval::test::fuzzSeeds() (tests/support/fuzz.h):
 #  - always the program NAME, which runs the seeds, their truncations and a fixed number of fixed mutations of them, and is a
 #    test; `NAME FILE…` runs files instead, which is how a crash is looked at; `NAME --write-seeds FOLDER` writes the seeds;
+#    MUTATIONS says how many of each seed (400), for a harness whose inputs take long; UNIT, that it reads whole units of so many
+#    bytes, and ignores a rest, so that truncations within one would repeat each other;
 #  - with CHEVAL_FUZZ=ON (preset `fuzz`: Clang and sanitizers) also NAME_libfuzzer, which searches, and searches briefly as a test.
 option(CHEVAL_FUZZ "Build libFuzzer programs too (Clang with address sanitizer only)" OFF)  # Debian: clang-14 libclang-rt-14-dev
 if(CHEVAL_FUZZ)
@@ -12,8 +14,13 @@ if(CHEVAL_FUZZ)
 endif()
 
 function(cheval_fuzz name)
-  cmake_parse_arguments(arg "" "" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(arg "" "MUTATIONS;UNIT" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${arg_SOURCES} "${PROJECT_SOURCE_DIR}/tests/support/fuzz_runner.cpp")
+  foreach(limit MUTATIONS UNIT)
+    if(arg_${limit})
+      target_compile_definitions(${name} PRIVATE CHEVAL_FUZZ_${limit}=${arg_${limit}})
+    endif()
+  endforeach()
   target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} cheval_options)
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES TIMEOUT 300 LABELS fuzz)

@@ -14,7 +14,14 @@ namespace {
 
 using cheval::test::FuzzInput;
 
-constexpr int kMutationsPerSeed = 400;
+#ifndef CHEVAL_FUZZ_MUTATIONS
+#define CHEVAL_FUZZ_MUTATIONS 400
+#endif
+#ifndef CHEVAL_FUZZ_UNIT
+#define CHEVAL_FUZZ_UNIT 1
+#endif
+constexpr int kMutationsPerSeed = CHEVAL_FUZZ_MUTATIONS;
+constexpr std::size_t kUnit = CHEVAL_FUZZ_UNIT;  ///< Bytes.
 constexpr std::size_t kMaxTruncations = 400;
 
 std::size_t below(std::mt19937& random, std::size_t bound) {
@@ -105,7 +112,7 @@ int runSeeds() {
     run({});
     for (const FuzzInput& seed : seeds) {
         run(seed);
-        const std::size_t step = std::max<std::size_t>(1, seed.size() / kMaxTruncations);
+        const std::size_t step = std::max(kUnit, seed.size() / kMaxTruncations);
         for (std::size_t length = 0; length < seed.size(); length += step, ++inputs) {
             run(FuzzInput(seed.begin(), seed.begin() + static_cast<std::ptrdiff_t>(length)));
         }

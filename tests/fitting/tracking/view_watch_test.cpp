@@ -16,11 +16,11 @@ constexpr int kHeight = 480;
 constexpr hal::Intrinsics kLens{kWidth, kHeight, 570.0F, 570.0F, 319.5F, 239.5F};
 constexpr float kSensorHeight = 1.25F;
 
-/// An empty room with a floor and a wall at 4 m, as a level sensor sees it.
-std::vector<std::uint16_t> room() {
+/// An empty room with a floor and a wall at 4 m, as a sensor of this tilt (radians) sees it.
+std::vector<std::uint16_t> room(float tilt = 0.0F) {
     std::vector<std::uint16_t> depth(static_cast<std::size_t>(kWidth) * kHeight);
     for (int v = 0; v < kHeight; ++v) {
-        const float down = (static_cast<float>(v) - kLens.cy) / kLens.fy;
+        const float down = std::cos(tilt) * (static_cast<float>(v) - kLens.cy) / kLens.fy - std::sin(tilt);
         const float floor = down > 0.0F ? kSensorHeight / down : 100.0F;
         for (int u = 0; u < kWidth; ++u) {
             depth[static_cast<std::size_t>(v) * kWidth + static_cast<std::size_t>(u)] =
@@ -30,11 +30,11 @@ std::vector<std::uint16_t> room() {
     return depth;
 }
 
-ViewFault judge(const std::vector<std::uint16_t>& depth) {
+ViewFault judge(const std::vector<std::uint16_t>& depth, float tilt = 0.0F) {
     Cloud cloud;
     CloudJob job{.depth = {depth.data(), kWidth, kHeight, kWidth},
                  .intrinsics = kLens,
-                 .placement = placementFrom({.height = kSensorHeight}),
+                 .placement = placementFrom({.height = kSensorHeight, .tilt = tilt}),
                  .cloud = &cloud};
     job.run();
     return ViewWatch::judge(cloud);
@@ -56,6 +56,15 @@ TEST(ViewWatch, ATableOfWhatCanHideEverybody) {
     std::vector<std::uint16_t> turned = room();
     std::reverse(turned.begin(), turned.end());
     EXPECT_EQ(judge(turned), ViewFault::upsideDown);
+}
+
+TEST(ViewWatch, ASensorOnItsHeadIsToldHoweverItIsTilted) {
+    for (const float tilt : {-0.25F, -0.07F, 0.05F}) {
+        std::vector<std::uint16_t> depth = room(tilt);
+        EXPECT_EQ(judge(depth, tilt), ViewFault::none) << tilt;
+        std::reverse(depth.begin(), depth.end());
+        EXPECT_EQ(judge(depth, tilt), ViewFault::upsideDown) << tilt;
+    }
 }
 
 TEST(ViewWatch, AWallWithoutAFloorIsNotUpsideDown) {

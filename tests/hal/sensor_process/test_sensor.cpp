@@ -32,7 +32,7 @@ class BadCamera final : public hal::DepthCamera {
         if (!opened) return std::move(opened).error();
         hal::CameraInfo info = inner_->info();
         if (deed_ == "impossible-size") info.intrinsics.width = 1 << 30;
-        if (deed_ == "other-size") info.intrinsics.width = 320;
+        if (deed_ == "other-size") info.intrinsics.width = 600;
         return info;
     }
     void doClose() override { inner_->close(); }
