@@ -100,10 +100,10 @@ TEST(FloorWatch, BelievesWhatHasLastedAndTakesItBackLikewise) {
     const Cloud wrong = cloudOf(shopSeenBy(lower, {}), written);
     const Cloud hidden = cloudOf(shopSeenBy(written, {}, false), written);
     FloorWatch watch(kWritten);
-    double time = 0.0;
+    int frames = 0;
     const auto show = [&](const Cloud& cloud, double seconds) {
-        for (const double end = time + seconds; time < end - 1e-6; time += 0.1)
-            watch.update(cloud, at(time));
+        for (const int end = frames + static_cast<int>(std::lround(10.0 * seconds)); frames < end; ++frames)
+            watch.update(cloud, at(0.1 * frames));
     };
     show(sound, 5.0);
     show(wrong, 4.0);

@@ -137,7 +137,9 @@ TEST_P(RefusalTest, IsNotOpenedAndSaysWhy) {
 
 INSTANTIATE_TEST_SUITE_P(ProcessCamera, RefusalTest,
                          testing::Values(Refusal{"refuse", "another process holds it"}, Refusal{"exit", "status 3"},
-                                         Refusal{"impossible-size", "cannot be"}, Refusal{"chatter", "sensor process"}),
+                                         Refusal{"impossible-size", "describes a picture of"},
+                                         Refusal{"impossible-lens", "would see 176 degrees across"},
+                                         Refusal{"chatter", "sensor process"}),
                          [](const testing::TestParamInfo<Refusal>& test) {
                              std::string name = test.param.deed;
                              std::erase(name, '-');

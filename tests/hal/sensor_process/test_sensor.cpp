@@ -31,8 +31,15 @@ class BadCamera final : public hal::DepthCamera {
         auto opened = inner_->open();
         if (!opened) return std::move(opened).error();
         hal::CameraInfo info = inner_->info();
-        if (deed_ == "impossible-size") info.intrinsics.width = 1 << 30;
-        if (deed_ == "other-size") info.intrinsics.width = 600;
+        if (deed_ == "impossible-size") {
+            info.intrinsics.width = 1 << 20;
+            info.intrinsics.fx = 1 << 20;
+        }
+        if (deed_ == "impossible-lens") info.intrinsics.fx = 10.0F;
+        if (deed_ == "other-size") {
+            info.intrinsics.width = 480;
+            info.intrinsics.cx = 239.5F;
+        }
         return info;
     }
     void doClose() override { inner_->close(); }
