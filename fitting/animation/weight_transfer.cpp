@@ -4,31 +4,12 @@
 #include <array>
 #include <cmath>
 
-#include <nanoflann.hpp>
-
+#include "fitting/point_tree.h"
 #include "fitting/skeleton.h"
 
 namespace cheval::fitting {
 
 namespace {
-
-struct BodyCloud {
-    std::span<const Eigen::Vector3f> points;
-
-    // Names that nanoflann asks for.
-    // NOLINTBEGIN(readability-identifier-naming)
-    [[nodiscard]] std::size_t kdtree_get_point_count() const { return points.size(); }
-    [[nodiscard]] float kdtree_get_pt(std::size_t i, std::size_t axis) const {
-        return points[i][static_cast<Eigen::Index>(axis)];
-    }
-    template <typename Box>
-    bool kdtree_get_bbox(Box& /*box*/) const {
-        return false;
-    }
-    // NOLINTEND(readability-identifier-naming)
-};
-
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, BodyCloud>, BodyCloud, 3>;
 
 enum class Limb : std::uint8_t { trunk, leftArm, rightArm, leftLeg, rightLeg };
 
@@ -105,8 +86,7 @@ std::vector<SkinningWeights> transferWeights(const RestMesh& body, std::span<con
         normals.size() != positions.size()) {
         return result;
     }
-    const BodyCloud cloud{body.positions};
-    Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+    const PointTree tree(body.positions);
     // Enough to find others behind a patch that faces the wrong way.
     const std::size_t asked = std::min(bodyVertices, options.neighbours * 8);
     std::vector<std::uint32_t> found(asked);
@@ -114,7 +94,7 @@ std::vector<SkinningWeights> transferWeights(const RestMesh& body, std::span<con
 
     result.reserve(positions.size());
     for (std::size_t v = 0; v < positions.size(); ++v) {
-        const std::size_t count = tree.knnSearch(positions[v].data(), asked, found.data(), squaredDistances.data());
+        const std::size_t count = tree.nearest(positions[v], found, squaredDistances);
         const auto faces = [&](std::uint32_t i) { return body.normals[i].dot(normals[v]) > 0.0F; };
         std::size_t nearest = 0;
         while (nearest < count && !faces(found[nearest]))

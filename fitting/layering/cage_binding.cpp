@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include "fitting/point_tree.h"
+
 namespace cheval::fitting {
 
 namespace {
@@ -48,23 +50,76 @@ std::vector<Candidate> candidatesOf(const CagePair& cages, std::span<const std::
 struct Nearest {
     const Candidate* candidate = nullptr;
     float distance = std::numeric_limits<float>::max();
+
+    void offer(const Candidate& other, float away) {
+        // Of two that share an edge the first, in whatever order they come.
+        if (candidate != nullptr && (away > distance || (away == distance && &other > candidate))) return;
+        candidate = &other;
+        distance = away;
+    }
 };
 
-// Nearest of the candidates; with `facing`, only of those that look the way of `normal`. Null when there is none.
-Nearest nearestCandidate(const std::vector<Candidate>& candidates, const Eigen::Vector3f& point,
-                         const Eigen::Vector3f& normal, bool facing) {
-    Nearest best;
-    for (const Candidate& candidate : candidates) {
-        const float reach = best.distance + candidate.radius;
-        if (best.candidate != nullptr && (candidate.centre - point).squaredNorm() > reach * reach) continue;
-        if (facing && candidate.normal.dot(normal) <= 0.0F) continue;
-        const Eigen::Vector3f weights = nearestBarycentric(point, candidate.a, candidate.b, candidate.c);
-        const Eigen::Vector3f nearest = weights[0] * candidate.a + weights[1] * candidate.b + weights[2] * candidate.c;
-        const float distance = (nearest - point).norm();
-        if (distance < best.distance) best = {.candidate = &candidate, .distance = distance};
+/// Finds the candidate for a point, nearest centres first. Thread-bound.
+class CandidateSearch {
+  public:
+    explicit CandidateSearch(std::span<const Candidate> candidates)
+        : candidates_(candidates), centres_(centresOf(candidates)), tree_(centres_) {
+        for (const Candidate& candidate : candidates) {
+            largest_ = std::max(largest_, candidate.radius);
+        }
     }
-    return best;
-}
+
+    /// The nearest that looks the way of `normal`, unless it is so much farther than the nearest of all that the point
+    /// belongs to a lining.
+    const Candidate& find(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) {
+        Nearest any;
+        Nearest facing;
+        for (std::size_t asked = std::min(kFirstAsked, candidates_.size()), looked = 0;; asked *= 4) {
+            asked = std::min(asked, candidates_.size());
+            places_.resize(asked);
+            squaredDistances_.resize(asked);
+            const std::size_t count = tree_.nearest(point, places_, squaredDistances_);
+            for (; looked < count; ++looked) {
+                const Candidate& candidate = candidates_[places_[looked]];
+                // Those left are farther than this.
+                const float least = std::sqrt(squaredDistances_[looked]) - largest_;
+                if (least > std::min(facing.distance, any.distance + kFarSide)) return chosen(any, facing);
+                const float away = distanceTo(candidate, point);
+                any.offer(candidate, away);
+                if (candidate.normal.dot(normal) > 0.0F) facing.offer(candidate, away);
+            }
+            if (asked == candidates_.size()) return chosen(any, facing);
+        }
+    }
+
+  private:
+    static constexpr std::size_t kFirstAsked = 32;
+
+    static std::vector<Eigen::Vector3f> centresOf(std::span<const Candidate> candidates) {
+        std::vector<Eigen::Vector3f> centres;
+        centres.reserve(candidates.size());
+        for (const Candidate& candidate : candidates) {
+            centres.push_back(candidate.centre);
+        }
+        return centres;
+    }
+    static float distanceTo(const Candidate& candidate, const Eigen::Vector3f& point) {
+        const Eigen::Vector3f weights = nearestBarycentric(point, candidate.a, candidate.b, candidate.c);
+        return (weights[0] * candidate.a + weights[1] * candidate.b + weights[2] * candidate.c - point).norm();
+    }
+    [[nodiscard]] const Candidate& chosen(const Nearest& any, const Nearest& facing) const {
+        const bool lining = facing.distance > any.distance + kFarSide;
+        if (facing.candidate != nullptr && !lining) return *facing.candidate;
+        return any.candidate != nullptr ? *any.candidate : candidates_.front();  // Else the point is no number.
+    }
+
+    std::span<const Candidate> candidates_;
+    std::vector<Eigen::Vector3f> centres_;
+    PointTree tree_;
+    float largest_ = 0.0F;
+    std::vector<std::uint32_t> places_;
+    std::vector<float> squaredDistances_;
+};
 
 Eigen::Vector3f blend(std::span<const Eigen::Vector3f> cage, const Triangle& t, const Eigen::Vector3f& weights) {
     return weights[0] * cage[t.a] + weights[1] * cage[t.b] + weights[2] * cage[t.c];
@@ -116,16 +171,14 @@ std::vector<CageBinding> bindToCages(const CagePair& cages, std::span<const std:
     std::vector<CageBinding> bindings;
     const std::vector<Candidate> candidates = candidatesOf(cages, covered);
     if (candidates.empty()) return bindings;
+    CandidateSearch search(candidates);
     bindings.reserve(positions.size());
     for (std::size_t i = 0; i < positions.size(); ++i) {
         const Eigen::Vector3f& point = positions[i];
-        const Nearest any = nearestCandidate(candidates, point, normals[i], false);
-        const Nearest facing = nearestCandidate(candidates, point, normals[i], true);
-        const bool lining = facing.distance > any.distance + kFarSide;
-        const Candidate* candidate = facing.candidate == nullptr || lining ? any.candidate : facing.candidate;
+        const Candidate& candidate = search.find(point, normals[i]);
         CageBinding binding;
-        binding.triangle = candidate->triangle;
-        binding.barycentric = nearestBarycentric(point, candidate->a, candidate->b, candidate->c);
+        binding.triangle = candidate.triangle;
+        binding.barycentric = nearestBarycentric(point, candidate.a, candidate.b, candidate.c);
         const Triangle& triangle = cages.triangles[binding.triangle];
         const Eigen::Vector3f inside = blend(cages.inner, triangle, binding.barycentric);
         const Eigen::Vector3f across = blend(cages.outer, triangle, binding.barycentric) - inside;
