@@ -23,6 +23,8 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
+# Headers that the build has precompiled are read as they are written.
+PRECOMPILED = re.compile(r"-Winvalid-pch|-fpch-preprocess|-include \S*/cmake_pch\.hxx")
 # What the compiler of the build takes and clang does not know must not end the check.
 EXTRA = ("--extra-arg=-Wno-unknown-warning-option",)
 # Where there is no branch to compare with, this many commits are "the last work".
@@ -82,8 +84,16 @@ def compile_commands(build):
         file = pathlib.Path(entry["file"])
         file = file if file.is_absolute() else pathlib.Path(entry["directory"]) / file
         if file.is_relative_to(ROOT) and not file.is_relative_to(build.resolve()):
-            commands.setdefault(file.relative_to(ROOT).as_posix(), entry.get("command") or " ".join(entry["arguments"]))
+            command = entry.get("command") or " ".join(entry["arguments"])
+            commands.setdefault(file.relative_to(ROOT).as_posix(), PRECOMPILED.sub("", command))
     return commands
+
+
+def write_commands(commands, build, folder):
+    """compile_commands.json for the tool: it cannot read what another compiler precompiled."""
+    entries = [{"directory": str(build.resolve()), "file": str(ROOT / path), "command": command}
+               for path, command in commands.items()]
+    (folder / "compile_commands.json").write_text(json.dumps(entries))
 
 
 def select(changed, commands):
@@ -130,6 +140,7 @@ def main():
     version = subprocess.run([arguments.tool, "--version"], check=True, capture_output=True, text=True).stdout
     stamps = ROOT / "build" / "tidy"
     stamps.mkdir(parents=True, exist_ok=True)
+    write_commands(commands, arguments.build, stamps)
     keys = {path: stamp_of(path, commands[path], version) for path in chosen}
     waiting = [path for path in chosen if not (stamps / keys[path]).exists()]
     deadline = None if arguments.all else time.monotonic() + arguments.budget
@@ -137,7 +148,7 @@ def main():
     def check(path):
         if deadline is not None and time.monotonic() > deadline:
             return None
-        result = subprocess.run([arguments.tool, "-p", str(arguments.build), "--quiet", *EXTRA, str(ROOT / path)],
+        result = subprocess.run([arguments.tool, "-p", str(stamps), "--quiet", *EXTRA, str(ROOT / path)],
                                 capture_output=True, text=True)
         if result.returncode == 0:
             (stamps / keys[path]).touch()
