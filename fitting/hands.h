@@ -28,13 +28,12 @@ constexpr std::string_view nameOf(HandState state) {
     return "unknown";
 }
 
-/// One hand. Mirror frame, metres and seconds.
+/// One hand. Mirror frame, metres.
 struct Hand {
     HandState state = HandState::unknown;
     float confidence = 0.0F;                             ///< Of the state, 0…1.
     Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< Centre of the palm.
-    Eigen::Vector3f velocity = Eigen::Vector3f::Zero();
-    bool raised = false;   ///< Held up as one does to point or grab.
+    bool raised = false;                                 ///< Held up as one does to point or grab.
     float holding = 0.0F;  ///< 0…1, how much of a hold is done; 1 from its event until the hand goes away or down.
 };
 

@@ -69,6 +69,11 @@ BodyLengths lengthSpread(float stature, bool statureKnown) {
     return spread;
 }
 
+LimbDirections seatedLeg(const Eigen::Matrix3f& axes) {
+    return {.upper = (axes.col(2) - 0.15F * axes.col(1)).normalized(),
+            .lower = (0.2F * axes.col(2) - axes.col(1)).normalized()};
+}
+
 Eigen::Vector3f ArticulatedPose::head() const {
     return neck() + (1.0F - kHeadCentre) * length(BodyLength::headDrop) * headDirection;
 }

@@ -44,6 +44,9 @@ struct LimbDirections {
     Eigen::Vector3f upper{0, -1, 0}, lower{0, -1, 0};
 };
 
+/// How the legs of somebody who sits with that trunk usually lie; columns of `axes`: left, up, forward.
+LimbDirections seatedLeg(const Eigen::Matrix3f& axes);
+
 /// Where everything is. Mirror frame, metres.
 struct ArticulatedPose {
     Eigen::Vector3f middle = Eigen::Vector3f::Zero();    ///< Of the trunk: halfway from the neck's base to the hips.

@@ -370,10 +370,16 @@ void addBody(const BodyFitJob& job, const Linear& linear, System& system) {
         const auto& legTangent = tangents[2 + fitting::index(side)];
         const int legUnknown = limbUnknown(true, side);
         const Eigen::Vector3f down = -Eigen::Vector3f::UnitY();
-        drawDirection(system, legUnknown, legTangent[0], leg.upper,
-                      down + 0.05F * out * pose.left() + 0.03F * pose.forward(), 0.30F);
-        // A shank slants backwards from the knee: the ankle lies behind the leg's axis.
-        drawDirection(system, legUnknown + 2, legTangent[1], leg.lower, leg.upper - 0.27F * pose.forward(), 0.25F);
+        if (job.seated) {
+            const auto [thigh, shank] = seatedLeg(pose.axes);
+            drawDirection(system, legUnknown, legTangent[0], leg.upper, thigh + 0.1F * out * pose.left(), 0.20F);
+            drawDirection(system, legUnknown + 2, legTangent[1], leg.lower, shank, 0.20F);
+        } else {
+            drawDirection(system, legUnknown, legTangent[0], leg.upper,
+                          down + 0.05F * out * pose.left() + 0.03F * pose.forward(), 0.30F);
+            // A shank slants backwards from the knee: the ankle lies behind the leg's axis.
+            drawDirection(system, legUnknown + 2, legTangent[1], leg.lower, leg.upper - 0.27F * pose.forward(), 0.25F);
+        }
         // Each foot keeps to its own side of the body, or legs that pass each other would exchange their names.
         constexpr float kCrossed = 0.05F;
         const float acrossMiddle = 0.01F - out * (pose.foot(side) - pose.hipMiddle()).dot(pose.left());
@@ -392,7 +398,7 @@ void addBody(const BodyFitJob& job, const Linear& linear, System& system) {
         const Eigen::Vector3f bent = leg.lower - leg.upper.dot(leg.lower) * leg.upper;
         pushOff(system, legUnknown + 2, legTangent[1], pose.forward(), bent.dot(pose.forward()), 0.05F);
     }
-    if (job.floorKnown) addStanding(linear, system);
+    if (job.floorKnown && !job.seated) addStanding(linear, system);
 }
 
 void addSizes(const BodyFitJob& job, const ArticulatedPose& pose, System& system) {

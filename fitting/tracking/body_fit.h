@@ -27,6 +27,7 @@ struct BodyFitJob {
     Eigen::Vector3f head = Eigen::Vector3f::Zero();  ///< Its centre, as seen; used where headSeen.
     bool headSeen = false;
     bool floorKnown = true;
+    bool seated = false;    ///< On a chair: the legs lie before the trunk, and nothing is known of the feet's floor.
     float sideways = 0.0F;  ///< Speed of the whole person along the mirror frame's x, metres a second.
     ArticulatedPose start;
     const ArticulatedPose* previous = nullptr;  ///< Of the frame before, or null.

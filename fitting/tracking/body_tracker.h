@@ -34,27 +34,49 @@ class BodyTracker {
   private:
     static constexpr std::size_t kMostPoints = 420;
 
+    /// Whether the person sits: the knees then lie well before the trunk, as seen from above.
+    void findSeat(const Cloud& cloud, bool floorKnown);
+    /// Of somebody whose crown is so high above the floor, metres.
+    [[nodiscard]] float statureOf(float crown) const;
     void learnStature(bool floorKnown);
     void learnHalfDepth();
     void learnSize();
     void collectPoints(const Cloud& cloud);
     /// False where nothing fits.
-    bool fitBody(const Cloud& cloud, const User& user, bool floorKnown);
-    void tryFrom(const ArticulatedPose& start, BodyFitJob& job, ArticulatedPose& best, float& cost) const;
+    bool fitBody(const Cloud& cloud, const User& user, bool floorKnown, float elapsed);
+    struct Fit {
+        ArticulatedPose pose;
+        float cost = 0.0F;
+    };
+    /// What is known of the pose that is followed.
+    struct Standing {
+        bool isNew = false;  ///< The person has only just been found.
+        bool sound = false;  ///< It costs no more than it usually does.
+    };
+    /// All of these fit from other starts and keep what costs less than `cost`.
+    void lookAfresh(const Cloud& cloud, const User& user, Standing standing, BodyFitJob& job, Fit& best, float& cost);
+    static void tryArm(Side side, BodyFitJob& job, Fit& best, float& cost);
+    static void tryFrom(const ArticulatedPose& start, BodyFitJob& job, Fit& best, float& cost);
+    [[nodiscard]] bool atRest() const;
     [[nodiscard]] float confidenceOf(const Cloud& cloud, const Eigen::Vector3f& position, float depthAllowed) const;
-    void fillSkeleton(const Cloud& cloud, hal::TimePoint time, Skeleton& skeleton);
+    void fillSkeleton(const Cloud& cloud, hal::TimePoint time, float elapsed, Skeleton& skeleton);
 
     Silhouette silhouette_;
     TorsoPose torso_;
     BodyDetector detector_;
     std::vector<Eigen::Vector3f> points_;
     ArticulatedPose body_;
-    bool known_ = false;  ///< body_ is of the frame before.
-    BodyLengths size_{};  ///< The person's own, as learnt so far.
+    bool known_ = false;   ///< body_ is of the frame before.
+    int foundFrames_ = 0;  ///< In a row.
+    BodyLengths size_{};   ///< The person's own, as learnt so far.
     int sizeFrames_ = 0;
+    float usualCost_ = 0.0F;  ///< Of the frames before.
+    int soundFrames_ = 0;     ///< In a row that cost no more.
     HemFinder hem_;
     std::array<PointFilter, kJointCount> filters_{};
     std::uint32_t userId_ = 0;
+    bool seated_ = false;
+    float seatedShare_ = 0.0F;  ///< Of the frames of late that looked like it; negative: none yet.
     float stature_ = 0.0F;
     int statureFrames_ = 0, lowerFrames_ = 0;
     float halfDepth_ = 0.0F;  ///< Of the trunk, in shares of the stature.

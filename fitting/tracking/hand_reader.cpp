@@ -70,7 +70,6 @@ bool isFree(const Skeleton& skeleton, Side side, float stature) {
 void HandReader::reset() {
     for (const Side side : {Side::left, Side::right}) {
         states_[index(side)].reset();
-        motion_[index(side)].reset();
     }
     userId_ = 0;
 }
@@ -101,10 +100,7 @@ void HandReader::readHand(const hal::DepthFrame& frame, const Users& users, cons
     const bool left = side == Side::left;
     const JointState& joint = skeleton[left ? Joint::leftHand : Joint::rightHand];
     const JointState& elbow = skeleton[left ? Joint::leftElbow : Joint::rightElbow];
-    PointFilter& motion = motion_[index(side)];
     hand.position = joint.position;
-    motion.filter(joint.position, elapsed);
-    hand.velocity = motion.velocity();
 
     HandStateFilter& filter = states_[index(side)];
     const User* user = users.active();

@@ -7,7 +7,6 @@
 #include "fitting/hands.h"
 #include "fitting/skeleton.h"
 #include "fitting/tracking/hand_openness.h"
-#include "fitting/tracking/smoothing.h"
 #include "fitting/users.h"
 #include "hal/frame.h"
 
@@ -49,9 +48,6 @@ class HandReader {
 
     HandOpennessContext context_;
     std::array<HandStateFilter, kSideCount> states_;
-    std::array<PointFilter, kSideCount> motion_{
-        PointFilter({.restCutoff = 3.0F, .speedFactor = 8.0F, .speedCutoff = 5.0F}),
-        PointFilter({.restCutoff = 3.0F, .speedFactor = 8.0F, .speedCutoff = 5.0F})};
     std::uint32_t userId_ = 0;
     hal::TimePoint lastTime_{};
 };

@@ -20,13 +20,21 @@ constexpr float kSmallest = 0.72F;
 constexpr float kSurelyUpright = 1.05F;
 constexpr int kAnimalFrames = 4;
 constexpr float kWalkedMetres = 0.35F;
-/// What has never walked and has not changed its outline for this long is a mannequin.
+/// What has never walked and has not moved for this long is a mannequin.
 constexpr double kMannequinSeconds = 10.0;
+/// The same of what has stirred once: people stand still for longer, but pieces of the shop creep.
+constexpr double kStillSeconds = 30.0;
 constexpr double kForgetSeconds = 2.0;
 /// Whoever comes into view moves. What was there before anything was seen has this long to stir.
 constexpr float kDoubtSeconds = 1.0F;
-/// How far a living person's centroid or spread goes; noise and flicker stay below.
+/// How far a living person's centroid or spread goes; noise and flicker, which are averaged, stay below.
 constexpr float kStirredMetres = 0.010F;
+/// Seconds over which they are averaged, and for which what has just come is only looked at.
+constexpr float kStirSpan = 0.15F;
+constexpr float kSettledSeconds = 0.15F;
+/// What goes farther from one frame to the next, metres and metres a second, does not move: it is cut out otherwise.
+constexpr float kJump = 0.05F;
+constexpr float kJumpSpeed = 2.0F;
 /// A centroid that has gone this far has moved; noise and flicker move it by less than a centimetre.
 constexpr float kMovedMetres = 0.03F;
 /// Seconds over which a person's velocity is averaged.
@@ -134,13 +142,15 @@ void People::update(const Cloud& cloud, hal::TimePoint time, bool floorKnown) {
     }
     assignComponents(cloud);
     dropScenery(floorKnown);
+    rejoinPieces();
     for (std::size_t i = 1; i <= componentCount_; ++i) {
         if (owner_[i] == 0 && looksLikePerson(components_[i], floorKnown)) adopt(i, time);
     }
     attachFragments();
     labelCells(cloud);
     measurePeople(cloud, time, floorKnown);
-    findTheLiving(cloud);
+    rememberWhole();
+    findTheLiving(cloud, elapsed);
 
     std::copy(cloud.depth.begin(), cloud.depth.end(), previousDepth_.begin());
     judgeCells(cloud);
@@ -230,14 +240,31 @@ void People::dropScenery(bool floorKnown) {
     }
 }
 
+void People::rejoinPieces() {
+    constexpr float kMargin = 0.08F;  // Metres about the box.
+    for (std::size_t i = 1; i <= componentCount_; ++i) {
+        if (owner_[i] != 0 || looksLikeScenery(components_[i])) continue;
+        float nearest = kMargin;
+        for (std::size_t k = 0; k < kMaximumUsers; ++k) {
+            const Person& person = people_[k];
+            if (person.id == 0 || !person.seen || covered(person, person.whole) <= 0.0F) continue;
+            const float away = person.whole.exteriorDistance(components_[i].centroid);
+            if (away >= nearest) continue;
+            nearest = away;
+            owner_[i] = static_cast<std::uint8_t>(k + 1);
+        }
+    }
+}
+
 void People::adopt(std::size_t component, hal::TimePoint time) {
     const Eigen::Vector3f& centroid = components_[component].centroid;
     // Somebody who was lost a moment ago, near here, comes back under the same name.
     Person* place = nullptr;
     float nearest = 0.8F;
     for (Person& person : people_) {
+        float away = (person.centroid - centroid).norm();
         // Of somebody whom others hid, the last that was seen may have been an arm.
-        const float away = (person.centroid - centroid).norm() - (person.hidden ? 0.5F : 0.0F);
+        if (person.hidden) away = std::min(away - 0.5F, person.whole.exteriorDistance(centroid));
         if (person.id != 0 && !person.seen && away < nearest) {
             nearest = away;
             place = &person;
@@ -356,8 +383,9 @@ void People::measurePeople(const Cloud& cloud, hal::TimePoint time, bool floorKn
         person.measured = time;
         person.measuredAt = person.centroid;
         person.lastSeen = time;
+        // Of what was there from the first only what has stirred can walk.
         const Eigen::Vector3f way = person.centroid - person.birthplace;
-        if (std::hypot(way.x(), way.z()) > kWalkedMetres) person.walked = true;
+        if ((person.alive || !person.wasThere) && std::hypot(way.x(), way.z()) > kWalkedMetres) person.walked = true;
         if ((person.centroid - person.restingPlace).norm() > kMovedMetres) {
             person.restingPlace = person.centroid;
             person.lastMoved = time;
@@ -367,7 +395,8 @@ void People::measurePeople(const Cloud& cloud, hal::TimePoint time, bool floorKn
         const float length = std::hypot(sum.upper.x() - sum.lower.x(), sum.upper.z() - sum.lower.z());
         const bool low = person.tallest < kSurelyUpright && length > 0.9F * (sum.upper.y() - sum.lower.y());
         person.lowFrames = low && floorKnown ? person.lowFrames + 1 : 0;
-        const bool still = !person.walked && hal::seconds(time - person.lastMoved) > kMannequinSeconds;
+        const bool still = !person.walked &&
+                           hal::seconds(time - person.lastMoved) > (person.alive ? kStillSeconds : kMannequinSeconds);
         if (still || person.lowFrames > kAnimalFrames) {
             person = Person{};
             for (std::size_t i = 0; i < kCloudCells; ++i) {
@@ -388,33 +417,59 @@ void People::measurePeople(const Cloud& cloud, hal::TimePoint time, bool floorKn
     }
 }
 
-float People::coveredShare(const Person& front, const Person& back) {
-    if (front.user.upper.z() > back.user.upper.z()) return -1.0F;
-    const float left = std::max(front.user.lower.x() / front.centroid.z(), back.user.lower.x() / back.centroid.z());
-    const float right = std::min(front.user.upper.x() / front.centroid.z(), back.user.upper.x() / back.centroid.z());
-    const float breadth = (back.user.upper.x() - back.user.lower.x()) / back.centroid.z();
+float People::coveredShare(const Person& front, const Eigen::AlignedBox3f& back) {
+    if (front.user.upper.z() > back.max().z()) return -1.0F;
+    const float depth = back.center().z();
+    const float left = std::max(front.user.lower.x() / front.centroid.z(), back.min().x() / depth);
+    const float right = std::min(front.user.upper.x() / front.centroid.z(), back.max().x() / depth);
+    const float breadth = (back.max().x() - back.min().x()) / depth;
     return breadth > 0.0F ? (right - left) / breadth : -1.0F;
 }
 
-void People::findTheLiving(const Cloud& cloud) {
+float People::covered(const Person& person, const Eigen::AlignedBox3f& box) const {
+    float most = -1.0F;
+    for (const Person& other : people_) {
+        if (other.id != 0 && other.seen && other.id != person.id) most = std::max(most, coveredShare(other, box));
+    }
+    return most;
+}
+
+void People::rememberWhole() {
+    constexpr float kBeside = -0.1F;
+    for (Person& person : people_) {
+        if (person.id == 0 || !person.seen) continue;
+        const Eigen::AlignedBox3f box(person.user.lower, person.user.upper);
+        if (person.whole.isEmpty() || covered(person, box) < kBeside) person.whole = box;
+    }
+}
+
+void People::findTheLiving(const Cloud& cloud, float elapsed) {
     for (Person& person : people_) {
         if (!person.seen || person.alive) continue;
         // Whoever passes before a mannequin changes what is seen of it.
         constexpr float kNear = -0.3F;
-        const bool disturbed = std::any_of(people_.begin(), people_.end(), [&](const Person& other) {
-            return other.seen && other.id != person.id && coveredShare(other, person) > kNear;
-        });
+        const bool disturbed = covered(person, {person.user.lower, person.user.upper}) > kNear;
         const Eigen::Vector3f centroid = 1e-3F * cloud.placement.toSensor(person.centroid);
-        // At first the shop about them is still being told apart.
-        constexpr int kSettled = 4;
-        person.settled = disturbed ? 0 : person.settled + 1;
-        if (person.settled <= kSettled) {
-            person.firstCentroid = centroid;
-            person.firstSpread = person.spread;
+        // At first the shop about them is still being told apart, and pieces of it grow and shrink.
+        const float most = kJump + kJumpSpeed * elapsed;
+        const bool jumped = person.wasThere && ((centroid - person.meanCentroid).norm() > most ||
+                                                (person.spread - person.meanSpread).norm() > most);
+        person.settled = disturbed || jumped ? 0.0F : person.settled + elapsed;
+        // Flicker goes to and fro; people go.
+        const bool follows = person.wasThere && person.settled > 0.0F;
+        const float weight = follows ? 1.0F - std::exp(-elapsed / kStirSpan) : 1.0F;
+        person.meanCentroid += weight * (centroid - person.meanCentroid);
+        person.meanSpread += weight * (person.spread - person.meanSpread);
+        if (person.settled <= kSettledSeconds) {
+            person.firstCentroid = person.meanCentroid;
+            person.firstSpread = person.meanSpread;
+            if (person.wasThere && !disturbed) person.birthplace = person.centroid;
+            person.alive = person.walked;
+            continue;
         }
         // Shoes and the floor about them come and go; nobody stirs straight up and down.
-        const Eigen::Vector3f gone = centroid - person.firstCentroid;
-        const Eigen::Vector3f grown = person.spread - person.firstSpread;
+        const Eigen::Vector3f gone = person.meanCentroid - person.firstCentroid;
+        const Eigen::Vector3f grown = person.meanSpread - person.firstSpread;
         person.alive = person.walked || std::hypot(gone.x(), gone.z()) > kStirredMetres ||
                        std::hypot(grown.x(), grown.z()) > kStirredMetres;
     }
@@ -426,9 +481,9 @@ void People::findTheHidden(hal::TimePoint time) {
     for (Person& person : people_) {
         if (person.id == 0) continue;
         const bool before = person.hidden;
-        person.hidden = !person.seen && std::any_of(people_.begin(), people_.end(), [&](const Person& other) {
-            return other.id != 0 && other.seen && other.id != person.id && coveredShare(other, person) > kCovers;
-        });
+        // Whoever was never seen alone is judged by what was last seen of them.
+        const Eigen::AlignedBox3f last(person.user.lower, person.user.upper);
+        person.hidden = !person.seen && std::max(covered(person, person.whole), covered(person, last)) > kCovers;
         if (!person.hidden) continue;
         if (!before) person.hiddenSince = time;
         if (hal::seconds(time - person.hiddenSince) < kHiddenSeconds) person.lastSeen = time;

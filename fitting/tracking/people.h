@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "fitting/tracking/background.h"
 #include "fitting/tracking/cloud.h"
 #include "fitting/tracking/components.h"
@@ -71,17 +73,20 @@ class People {
         hal::TimePoint lastMoved{};                        ///< When it last left its resting place.
         bool walked = false;                               ///< Left its birthplace at some time: no shop mannequin.
         Eigen::Vector3f spread = Eigen::Vector3f::Zero();  ///< Of its surface about the centroid: deviations, metres.
-        /// Both as first seen with nobody near; the centroid in the sensor frame, in metres.
+        /// Both as first seen with nobody near, and of late; the centroid in the sensor frame, in metres.
         Eigen::Vector3f firstCentroid = Eigen::Vector3f::Zero(), firstSpread = Eigen::Vector3f::Zero();
+        Eigen::Vector3f meanCentroid = Eigen::Vector3f::Zero(), meanSpread = Eigen::Vector3f::Zero();  ///< Of late.
         float tallest = 0.0F;          ///< The highest that was ever seen of it.
         int lowFrames = 0;             ///< In a row that showed something low and long.
-        int settled = 0;               ///< Frames in a row with nobody near.
+        float settled = 0.0F;          ///< Seconds in a row with nobody near.
         bool alive = false;            ///< They have changed since.
         bool wasThere = false;         ///< In the first frame of all.
         float watched = 0.0F;          ///< Seconds of moving pictures in which it could have stirred.
         bool seen = false;             ///< In this frame.
         hal::TimePoint hiddenSince{};  ///< When somebody began to stand before them, while unseen.
         bool hidden = false;
+        /// Around all of them, as last seen with nobody before them or beside them; until then, as first seen.
+        Eigen::AlignedBox3f whole;
         User user;
     };
 
@@ -92,12 +97,19 @@ class People {
     }
     void findForeground(const Cloud& cloud, bool floorKnown);
     void assignComponents(const Cloud& cloud);
-    /// How much of one person's breadth another before them covers, as the sensor sees it; negative: how far beside.
-    static float coveredShare(const Person& front, const Person& back);
-    void findTheLiving(const Cloud& cloud);
+    /// How much of the breadth of a box another person before it covers, as the sensor sees it; negative: how far
+    /// beside.
+    static float coveredShare(const Person& front, const Eigen::AlignedBox3f& back);
+    /// The most that any of those who are seen covers of a person's box, see coveredShare(); −1 where nobody stands
+    /// before them.
+    [[nodiscard]] float covered(const Person& person, const Eigen::AlignedBox3f& box) const;
+    void rememberWhole();
+    void findTheLiving(const Cloud& cloud, float elapsed);
     void findTheHidden(hal::TimePoint time);
     /// Takes walls and racks away from those of whom a whole person is seen beside them.
     void dropScenery(bool floorKnown);
+    /// Gives to those whom others cut in two the pieces that nobody has.
+    void rejoinPieces();
     void adopt(std::size_t component, hal::TimePoint time);
     void attachFragments();
     void labelCells(const Cloud& cloud);

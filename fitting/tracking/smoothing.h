@@ -20,7 +20,7 @@ class PointFilter {
 
     PointFilter() = default;
     explicit PointFilter(const Options& options) : options_(options) {}
-    void reset() { started_ = false; }
+    void reset() { *this = PointFilter(options_); }
 
     /// `elapsed` in seconds since the call before; 0 or less starts afresh.
     Eigen::Vector3f filter(const Eigen::Vector3f& point, float elapsed) {
@@ -28,14 +28,18 @@ class PointFilter {
             started_ = true;
             value_ = point;
             velocity_.setZero();
+            derivative_.setZero();
             return value_;
         }
-        const Eigen::Vector3f velocity = (point - value_) / elapsed;
-        velocity_ += weight(options_.speedCutoff, elapsed) * (velocity - velocity_);
-        const float cutoff = options_.restCutoff + options_.speedFactor * velocity_.norm();
-        value_ += weight(cutoff, elapsed) * (point - value_);
+        const float follow = weight(options_.speedCutoff, elapsed);
+        derivative_ += follow * ((point - value_) / elapsed - derivative_);
+        const float cutoff = options_.restCutoff + options_.speedFactor * derivative_.norm();
+        const Eigen::Vector3f step = weight(cutoff, elapsed) * (point - value_);
+        value_ += step;
+        velocity_ += follow * (step / elapsed - velocity_);
         return value_;
     }
+    /// Of the filtered point, metres a second.
     [[nodiscard]] const Eigen::Vector3f& velocity() const { return velocity_; }
     [[nodiscard]] const Eigen::Vector3f& value() const { return value_; }
 
@@ -48,6 +52,9 @@ class PointFilter {
     Options options_;
     Eigen::Vector3f value_ = Eigen::Vector3f::Zero();
     Eigen::Vector3f velocity_ = Eigen::Vector3f::Zero();
+    /// The paper's filtered derivative: how fast the point would have to go to be where it was seen, which is more than
+    /// its velocity.
+    Eigen::Vector3f derivative_ = Eigen::Vector3f::Zero();
     bool started_ = false;
 };
 

@@ -201,6 +201,24 @@ void TorsoFitJob::fitTrunk() {
     }
 }
 
+TorsoPose TorsoPose::turned(float angle) const {
+    // Trunks are broader than they are deep: the joints lie deeper under a side than under the front. Statures.
+    constexpr float kDeeper = 0.03F;
+    const Eigen::Vector3f middle = 0.25F * (shoulders[0] + shoulders[1] + hips[0] + hips[1]);
+    const Eigen::Matrix3f turn = Eigen::AngleAxisf(-angle, up).toRotationMatrix();
+    const Eigen::Vector3f back(0.0F, 0.0F, kDeeper * stature * std::abs(std::sin(angle)));
+    TorsoPose pose = *this;
+    for (std::size_t side = 0; side < kSideCount; ++side) {
+        pose.shoulders[side] = middle + turn * (shoulders[side] - middle) + back;
+        pose.hips[side] = middle + turn * (hips[side] - middle) + back;
+    }
+    pose.neck += back;
+    pose.left = turn * left;
+    pose.forward = turn * forward;
+    pose.surface = {surface[0] + surface[1] * middle.x(), 0.0F, surface[2]};
+    return pose;
+}
+
 void TorsoFitJob::placeJoints() {
     const float across = std::clamp(pose.surface[1], -1.7F, 1.7F);
     const float lean = std::clamp(0.5F * pose.surface[2], -0.35F, 0.35F);

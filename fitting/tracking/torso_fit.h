@@ -26,6 +26,10 @@ struct TorsoPose {
     float stature = 1.7F;    ///< What the proportions were taken of.
     bool found = false;
     bool headSeen = false;
+
+    /// The same trunk if it is turned about its own axis by `angle` radians more, to the person's right where positive,
+    /// and its surface is a side.
+    [[nodiscard]] TorsoPose turned(float angle) const;
 };
 
 /// Finds head and trunk. Invalid without cloud and silhouette.

@@ -161,5 +161,24 @@ TEST(Visit, WhoeverWalksInSidewaysLooksWhereTheyGo) {
     EXPECT_EQ(right, walking);
 }
 
+TEST(Visit, WhoeverSitsInAWheelchairHasTheirKneesBeforeThem) {
+    double off = 0.0;
+    int frames = 0, before = 0;
+    play(hal::sim::Script::resting, 2011, 5.5, [&](const Tracker& tracker, const auto& truth, double time) {
+        if (time < 2.8 || time > 4.0 || !truth.figures[0].inRoom) return;
+        ASSERT_TRUE(truth.figures[0].wheelchair);
+        ++frames;
+        const Skeleton& seen = tracker.skeleton();
+        if (!seen.present()) return;
+        for (const Joint joint : {Joint::leftKnee, Joint::rightKnee}) {
+            off += static_cast<double>((seen[joint].position - truth.skeleton[joint].position).norm()) / 2.0;
+            before += seen[joint].position.z() < seen[Joint::torso].position.z() - 0.2F ? 1 : 0;
+        }
+    });
+    ASSERT_GT(frames, 10);
+    EXPECT_EQ(before, 2 * frames);
+    EXPECT_LT(off / frames, 0.10) << "metres, of the knees";
+}
+
 }  // namespace
 }  // namespace cheval::fitting
