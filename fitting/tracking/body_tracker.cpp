@@ -130,19 +130,25 @@ void BodyTracker::update(const Cloud& cloud, std::span<const std::uint8_t> label
 }
 
 void BodyTracker::findSeat(const Cloud& cloud, bool floorKnown) {
+    if (!floorKnown) return;
     const Silhouette& s = silhouette_;
+    const auto each = [&](const auto& look) {
+        for (int row = s.top; row <= s.bottom; ++row) {
+            for (int column = s.left; column <= s.right; ++column) {
+                const std::size_t i = cellIndex(column, row);
+                if (s.inside[i] != 0 && cloud.depth[i] > 0.0F) look(i);
+            }
+        }
+    };
     float crown = 0.0F;
-    for (std::size_t i = 0; i < kCloudCells; ++i) {
-        if (s.inside[i] != 0 && cloud.depth[i] > 0.0F) crown = std::max(crown, cloud.y[i]);
-    }
-    Eigen::Vector2f trunk = Eigen::Vector2f::Zero();
-    Eigen::Vector2f legs = Eigen::Vector2f::Zero();
-    int trunkCells = 0;
-    int legCells = 0;
-    for (int row = s.top; row <= s.bottom; ++row) {
-        for (int column = s.left; column <= s.right; ++column) {
-            const std::size_t i = cellIndex(column, row);
-            if (s.inside[i] == 0 || cloud.depth[i] <= 0.0F) continue;
+    each([&](std::size_t i) { crown = std::max(crown, cloud.y[i]); });
+    float seen = 0.0F;
+    if (crown < kTallestSeated) {
+        Eigen::Vector2f trunk = Eigen::Vector2f::Zero();
+        Eigen::Vector2f legs = Eigen::Vector2f::Zero();
+        int trunkCells = 0;
+        int legCells = 0;
+        each([&](std::size_t i) {
             const float height = cloud.y[i] / crown;
             const Eigen::Vector2f place(cloud.x[i], cloud.z[i]);
             if (height > 0.60F && height < 0.75F) {
@@ -152,11 +158,11 @@ void BodyTracker::findSeat(const Cloud& cloud, bool floorKnown) {
                 legs += place;
                 ++legCells;
             }
-        }
+        });
+        if (trunkCells < 30 || legCells < 30) return;
+        const float before = (trunk / static_cast<float>(trunkCells) - legs / static_cast<float>(legCells)).norm();
+        if (before > kSeated) seen = 1.0F;
     }
-    if (!floorKnown || trunkCells < 30 || legCells < 30) return;
-    const float before = (trunk / static_cast<float>(trunkCells) - legs / static_cast<float>(legCells)).norm();
-    const float seen = crown < kTallestSeated && before > kSeated ? 1.0F : 0.0F;
     seatedShare_ = seatedShare_ < 0.0F ? seen : seatedShare_ + kSeatFollow * (seen - seatedShare_);
     const bool seated = seated_ ? seatedShare_ > 0.3F : seatedShare_ > 0.7F;
     if (seated == seated_) return;
@@ -303,11 +309,12 @@ void BodyTracker::lookAfresh(const Cloud& cloud, const User& user, Standing stan
     const float sideways = user.velocity.x();
     const float towards = std::copysign(1.0F, sideways);
     const bool walks = std::abs(sideways) > kWalking && best.pose.forward().x() * towards < kLooksAside;
-    // But for somebody's first, a frame has time for one side. Mirrored pictures have their turns mirrored.
+    // But for somebody's first, a frame has time for one side, or for one arm. Mirrored pictures have them mirrored.
     const float half = std::copysign(1.0F, user.centroid.x());
-    const float turn = foundFrames_ % 2 == 0 ? half : -half;
+    const float turn = (foundFrames_ / 2) % 2 == 0 ? half : -half;
+    const bool turns = standing.isNew && foundFrames_ % 2 == 0;
     for (const float side : {-1.0F, 1.0F}) {
-        if (walks ? side != towards : !standing.isNew || (known_ && side != turn)) continue;
+        if (walks ? side != towards : !turns || (known_ && side != turn)) continue;
         tryFrom(detected(torso_.turned(side * kTurned), nullptr), job, best, cost);
     }
     // Of two legs side by side in the picture only the depth tells which is which, and of two arms. Only a limb is
@@ -315,8 +322,7 @@ void BodyTracker::lookAfresh(const Cloud& cloud, const User& user, Standing stan
     job.rounds = kLimbRounds;
     const bool profile = best.pose.forward().z() > kProfile;
     if (profile || best.pose.legsCrossed()) tryFrom(best.pose.withLegsExchanged(), job, best, cost);
-    if (!profile && foundFrames_ >= kArmFrames) return;
-    // A frame has time for one arm.
+    if ((!profile && foundFrames_ >= kArmFrames) || (turns && known_)) return;
     tryArm((foundFrames_ / 2) % 2 == (half > 0.0F ? 0 : 1) ? Side::left : Side::right, job, best, cost);
 }
 
