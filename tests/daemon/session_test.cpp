@@ -1,6 +1,7 @@
 #include "daemon/session.h"
 
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -40,7 +41,7 @@ class Player {
     explicit Player(const SessionOptions& options = kOptions) : session(options), chain_(1, session.state()) {}
 
     void play(const Stretch& stretch) {
-        const int frames = static_cast<int>(stretch.seconds * 10.0 + 0.5);
+        const int frames = static_cast<int>(std::lround(stretch.seconds * 10.0));
         for (int i = 0; i < frames; ++i)
             frame(stretch.userId, stretch.jointsSeen, stretch.measured);
     }
