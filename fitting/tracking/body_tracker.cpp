@@ -51,9 +51,11 @@ constexpr int kBendingFrames = 60;
 /// Whoever sits on a chair, crown above the floor: the seat's height and so much of the stature (Drillis and Contini).
 constexpr float kSeatHeight = 0.48F;
 constexpr float kSittingHeight = 0.52F;
+/// Crowns of whoever sits are lower than this, and their knees this far before the trunk, as seen from above; metres.
 constexpr float kTallestSeated = 1.60F;
 constexpr float kSeated = 0.18F;
-constexpr float kSeatFollow = 0.25F;
+/// Seconds over which it is averaged whether they look like it.
+constexpr float kSeatSpan = 0.12F;
 
 constexpr float kSeen = 0.9F;
 constexpr float kHidden = 0.3F;
@@ -105,7 +107,7 @@ void BodyTracker::update(const Cloud& cloud, std::span<const std::uint8_t> label
     SilhouetteJob outline{.cloud = &cloud, .labels = labels, .label = user.label, .silhouette = &silhouette_};
     if (!outline.isValid()) return;
     outline.run();
-    findSeat(cloud, floorKnown);
+    findSeat(cloud, floorKnown, elapsed);
     const TorsoPose before = torso_;
     TorsoFitJob trunk{.cloud = &cloud,
                       .silhouette = &silhouette_,
@@ -129,7 +131,7 @@ void BodyTracker::update(const Cloud& cloud, std::span<const std::uint8_t> label
     fillSkeleton(cloud, time, elapsed, skeleton);
 }
 
-void BodyTracker::findSeat(const Cloud& cloud, bool floorKnown) {
+void BodyTracker::findSeat(const Cloud& cloud, bool floorKnown, float elapsed) {
     if (!floorKnown) return;
     const Silhouette& s = silhouette_;
     const auto each = [&](const auto& look) {
@@ -143,7 +145,9 @@ void BodyTracker::findSeat(const Cloud& cloud, bool floorKnown) {
     float crown = 0.0F;
     each([&](std::size_t i) { crown = std::max(crown, cloud.y[i]); });
     float seen = 0.0F;
-    if (crown < kTallestSeated) {
+    // Whoever has been seen taller bends.
+    const bool bends = !seated_ && statureFrames_ > 0 && crown < stature_ - kBending;
+    if (crown < kTallestSeated && !bends) {
         Eigen::Vector2f trunk = Eigen::Vector2f::Zero();
         Eigen::Vector2f legs = Eigen::Vector2f::Zero();
         int trunkCells = 0;
@@ -163,7 +167,8 @@ void BodyTracker::findSeat(const Cloud& cloud, bool floorKnown) {
         const float before = (trunk / static_cast<float>(trunkCells) - legs / static_cast<float>(legCells)).norm();
         if (before > kSeated) seen = 1.0F;
     }
-    seatedShare_ = seatedShare_ < 0.0F ? seen : seatedShare_ + kSeatFollow * (seen - seatedShare_);
+    const float weight = seatedShare_ < 0.0F ? 1.0F : 1.0F - std::exp(-elapsed / kSeatSpan);
+    seatedShare_ += weight * (seen - seatedShare_);
     const bool seated = seated_ ? seatedShare_ > 0.3F : seatedShare_ > 0.7F;
     if (seated == seated_) return;
     // Another body altogether.

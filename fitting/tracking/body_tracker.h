@@ -35,7 +35,7 @@ class BodyTracker {
     static constexpr std::size_t kMostPoints = 420;
 
     /// Whether the person sits: the knees then lie well before the trunk, as seen from above.
-    void findSeat(const Cloud& cloud, bool floorKnown);
+    void findSeat(const Cloud& cloud, bool floorKnown, float elapsed);
     /// Of somebody whose crown is so high above the floor, metres.
     [[nodiscard]] float statureOf(float crown) const;
     void learnStature(bool floorKnown);
