@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <system_error>
 #include <utility>
 
 #include "config/nearest_name.h"
 #include "config/settings_table.h"
+#include "config/text_file.h"
 #include "config/toml_reader.h"
 
 namespace cheval::config {
@@ -24,32 +24,13 @@ LoadedSettings startFromDefaults() {
 }
 
 void readFile(const fs::path& path, LoadedSettings& loaded) {
-    std::error_code failed;
-    // Only a regular file is opened: opening a pipe that nobody writes to would wait for ever.
-    const bool regular = fs::is_regular_file(path, failed);
-    const std::uintmax_t size = regular ? fs::file_size(path, failed) : 0;
-    std::ifstream stream;
-    if (regular) stream.open(path, std::ios::binary);
-    if (failed || !regular || !stream) {
-        addProblem(loaded, Error{.code = ErrorCode::unavailable,
-                                 .cause = "the file cannot be read",
-                                 .mend = "check that it is a file and may be read by the service's user",
-                                 .file = path.string()});
+    Expected<std::string> text = readText(path.string(), kMaximumFileBytes, "settings files");
+    if (!text) {
+        addProblem(loaded, std::move(text).error());
         return;
     }
-    if (size > kMaximumFileBytes) {
-        addProblem(loaded, Error{.code = ErrorCode::invalidInput,
-                                 .cause = "the file has " + std::to_string(size) + " bytes",
-                                 .mend = "keep settings files under " + std::to_string(kMaximumFileBytes) + " bytes",
-                                 .why = "nobody writes that many settings",
-                                 .file = path.string()});
-        return;
-    }
-    std::string text(static_cast<std::size_t>(size), '\0');
-    stream.read(text.data(), static_cast<std::streamsize>(size));
-    text.resize(static_cast<std::size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
     loaded.files.push_back(path.string());
-    readToml(text, path.string(), loaded);
+    readToml(*text, path.string(), loaded);
 }
 
 std::vector<fs::path> dropIns(const fs::path& folder, LoadedSettings& loaded) {

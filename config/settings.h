@@ -19,6 +19,7 @@ enum class HoldMeaning : std::uint8_t { view, nothing };
 enum class RenderContext : std::uint8_t { automatic, egl, osmesa };
 enum class BusKind : std::uint8_t { system, session, none };
 enum class StartView : std::uint8_t { mirror, avatar };
+enum class SizesFor : std::uint8_t { women, men, none };
 
 /// Settings of the whole program, one nested struct a section, e.g. `settings.sensor.heightMm`. A default-made one
 /// holds zeros and empty texts: take defaultSettings() (settings_table.h).
