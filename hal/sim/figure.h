@@ -16,8 +16,9 @@ inline constexpr std::size_t kMaximumFigureTriangles = 24'000;
 /// Makes `mesh` the shopper in rest pose. Takes no memory when the mesh has kMaximumFigure… reserved.
 void buildFigure(const Shopper& shopper, const Rig& rig, Mesh& mesh);
 
-/// The head with face and hair (figure_head.cpp), one hand (figure_hand.cpp) and the wheelchair of who sits in one
-/// (figure_chair.cpp), as parts of buildFigure.
+/// The trunk with neck, shirt and the trousers' seat (figure_trunk.cpp), the head with face and hair (figure_head.cpp),
+/// one hand (figure_hand.cpp) and the wheelchair of who sits in one (figure_chair.cpp), as parts of buildFigure.
+void addTrunk(const Shopper& shopper, const Rig& rig, Mesh& mesh);
 void addHead(const Shopper& shopper, const Rig& rig, Mesh& mesh);
 void addHand(const Shopper& shopper, const Rig& rig, fitting::Side side, Mesh& mesh);
 void addWheelchair(const Shopper& shopper, const Rig& rig, Mesh& mesh);

@@ -176,13 +176,14 @@ void addHair(const Shopper& shopper, const HeadFrame& frame, Mesh& mesh) {
             const Vector3f middle = frame.at(0.0F, std::min(v, 0.62F), 0.0F);
             const Vector3f outward = (mesh.positions[vertex] - middle).normalized();
             mesh.positions[vertex] += frame.size * hairOffset(shopper.hairStyle, side, v) * outward;
+            mesh.positions[vertex] += shopper.hairRise * smooth(0.60F, 0.95F, v) * outward;
             // Soft strands, and shade towards the ends.
             const float strand = 0.90F + 0.10F * std::sin(9.0F * side + 3.0F * v);
             mesh.albedo[vertex] *= strand * (0.75F + 0.25F * smooth(0.1F, 0.8F, v));
         }
     }
     // The cap over the crown follows the last ring.
-    mesh.positions[first + count * kHeadSegments + 1] += Vector3f(0.0F, 0.035F * frame.size, 0.0F);
+    mesh.positions[first + count * kHeadSegments + 1] += Vector3f(0.0F, 0.035F * frame.size + shopper.hairRise, 0.0F);
     if (shopper.hairStyle == HairStyle::ponytail) {
         constexpr std::array<float, 7> kDown = {0.70F, 0.66F, 0.52F, 0.32F, 0.10F, -0.10F, -0.20F};
         constexpr std::array<float, 7> kBehind = {-0.40F, -0.49F, -0.56F, -0.57F, -0.54F, -0.50F, -0.47F};
@@ -206,10 +207,11 @@ void addHead(const Shopper& shopper, const Rig& rig, Mesh& mesh) {
     const Hold hold{.first = static_cast<std::uint16_t>(bone(Bone::head)),
                     .second = static_cast<std::uint16_t>(bone(Bone::head)),
                     .share = 0.0F};
-    const HeadFrame frame{.size = shopper.headHeight,
-                          .chin = Vector3f(0.0F, shopper.stature - shopper.headHeight, rig.headCentre.z()),
-                          .hold = hold,
-                          .wide = 0.96F + 0.06F * shopper.masculine + 0.05F * shopper.build};
+    const HeadFrame frame{
+        .size = shopper.headHeight,
+        .chin = Vector3f(0.0F, shopper.stature + shopper.lift - shopper.headHeight, rig.headCentre.z()),
+        .hold = hold,
+        .wide = 0.96F + 0.06F * shopper.masculine + 0.05F * shopper.build};
     addSkull(shopper, frame, mesh);
     addFace(shopper, frame, mesh);
     if (shopper.hairStyle != HairStyle::none) addHair(shopper, frame, mesh);

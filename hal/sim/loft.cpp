@@ -15,17 +15,6 @@ using Eigen::Vector3f;
 constexpr float kTau = 2.0F * std::numbers::pi_v<float>;
 constexpr std::size_t kMaximumRings = 64;
 
-Vector3f sectionPoint(const Ring& ring, float angle) {
-    const float power = 2.0F / ring.squareness;
-    const auto swell = [power](float value) {
-        return power == 1.0F ? value : std::copysign(std::pow(std::abs(value), power), value);
-    };
-    const float across = swell(std::cos(angle));
-    const float ahead = swell(std::sin(angle));
-    return ring.centre + across * ring.halfWidth * ring.across +
-           ahead * (ahead > 0.0F ? ring.front : ring.back) * ring.ahead;
-}
-
 void addVertex(Mesh& mesh, const Vector3f& position, const Ring& ring) {
     mesh.positions.push_back(position);
     mesh.albedo.push_back(ring.shade * toLinear(ring.colour));
@@ -41,6 +30,17 @@ void addTriangle(Mesh& mesh, std::size_t a, std::size_t b, std::size_t c, bool f
 
 }  // namespace
 
+Vector3f pointOf(const Ring& ring, float angle) {
+    const float power = 2.0F / ring.squareness;
+    const auto swell = [power](float value) {
+        return power == 1.0F ? value : std::copysign(std::pow(std::abs(value), power), value);
+    };
+    const float across = swell(std::cos(angle));
+    const float ahead = swell(std::sin(angle));
+    return ring.centre + across * ring.halfWidth * ring.across +
+           ahead * (ahead > 0.0F ? ring.front : ring.back) * ring.ahead;
+}
+
 void Mesh::reserve(std::size_t vertices, std::size_t triangleCount) {
     positions.reserve(vertices);
     normals.reserve(vertices);
@@ -48,6 +48,8 @@ void Mesh::reserve(std::size_t vertices, std::size_t triangleCount) {
     holds.reserve(vertices);
     triangles.reserve(triangleCount);
     materials.reserve(triangleCount);
+    // Only hanging cloth has folds: a small part of all.
+    folds.reserve(vertices / 6);
 }
 
 void Mesh::clear() {
@@ -57,6 +59,7 @@ void Mesh::clear() {
     holds.clear();
     triangles.clear();
     materials.clear();
+    folds.clear();
 }
 
 void Mesh::finish() {
@@ -77,7 +80,7 @@ std::size_t addLoft(Mesh& mesh, std::span<const Ring> rings, int segments, Mater
     const auto n = static_cast<std::size_t>(segments);
     for (const Ring& ring : rings.first(count)) {
         for (int j = 0; j < segments; ++j) {
-            addVertex(mesh, sectionPoint(ring, kTau * static_cast<float>(j) / static_cast<float>(segments)), ring);
+            addVertex(mesh, pointOf(ring, kTau * static_cast<float>(j) / static_cast<float>(segments)), ring);
         }
     }
     const Vector3f along = rings[count - 1].centre - rings[0].centre;

@@ -19,6 +19,14 @@ struct Hold {
     float share = 0.0F;
 };
 
+/// A vertex of cloth that moves to and fro with its wearer.
+struct Fold {
+    std::uint32_t vertex = 0;
+    float reach = 0.0F;  ///< Metres that it moves at most …
+    float angle = 0.0F;  ///< … radians about the body from its left; the way out is that of this angle, horizontal.
+    float phase = 0.0F;  ///< Radians.
+};
+
 /// Vertices with everything that posing and shading need; triangles counter-clockwise from outside.
 struct Mesh {
     std::vector<Eigen::Vector3f> positions;
@@ -27,6 +35,7 @@ struct Mesh {
     std::vector<Hold> holds;
     std::vector<std::array<std::uint32_t, 3>> triangles;
     std::vector<Material> materials;  ///< One a triangle.
+    std::vector<Fold> folds;          ///< Of cloth that hangs free.
 
     void reserve(std::size_t vertices, std::size_t triangleCount);
     void clear();
@@ -47,6 +56,9 @@ struct Ring {
     float squareness = 2.0F;
     float shade = 1.0F;  ///< Share of light that reaches this place past its surroundings.
 };
+
+/// The point of a ring's edge at `angle` radians from `across`, going round by `ahead`.
+Eigen::Vector3f pointOf(const Ring& ring, float angle);
 
 enum class Cap : std::uint8_t { open, flat };
 

@@ -67,6 +67,8 @@ Posture postureAt(const Part& part, const Rig& rig, bool seated, double time) {
     float strength = part.sway;
     if (way.last != nullptr) strength *= ease(way.last->end - kSettling, way.last->end + kSettling, time);
     if (way.next != nullptr) strength *= 1.0F - ease(way.next->start - kSettling, way.next->start, time);
+    posture.chestPitch += part.stoop;
+    posture.headPitch -= 0.8F * part.stoop;
     sway(time, seated ? 0.4F * strength : strength, posture);
     const float swayX = posture.pelvis.x();
     const float swayZ = posture.pelvis.z();

@@ -27,7 +27,8 @@ struct Glance {
 struct Part {
     double enters = 0.0, leaves = 1e9;  ///< In the room between the two.
     Place begin;
-    float sway = 1.0F;  ///< 0: stands like a post.
+    float sway = 1.0F;   ///< 0: stands like a post.
+    float stoop = 0.0F;  ///< As BodyShares::stoop.
     BoundedList<Walk, 12> walks;
     BoundedList<Turn, 24> turns;
     std::array<BoundedList<ArmMove, kMaximumArmMoves>, fitting::kSideCount> arms;

@@ -154,13 +154,15 @@ void placeLeg(const Rig& rig, Side side, const FootAttitude& foot, float yaw, Po
 Rig makeRig(const Shopper& shopper) {
     Rig rig;
     const float h = shopper.stature;
-    const float shoulder = h * (0.0950F + 0.014F * shopper.masculine + 0.004F * shopper.build);
-    rig.rest[bone(Bone::pelvis)] = {0.0F, 0.525F * h, 0.0F};
-    rig.rest[bone(Bone::chest)] = {0.0F, 0.62F * h, 0.0F};
-    rig.crown = {0.0F, h, 0.004F * h};
-    rig.headCentre = {0.0F, h - 0.5F * shopper.headHeight, 0.010F * h};
-    const float chin = h - shopper.headHeight;
-    const float neckBase = chin - 0.034F * h;
+    const BodyShares& shares = shopper.shares;
+    const float lift = shopper.lift;
+    const float shoulder = h * (0.0950F + 0.014F * shopper.masculine + 0.004F * shopper.build) * shares.shoulderBreadth;
+    rig.rest[bone(Bone::pelvis)] = {0.0F, (0.525F + shares.leg) * h + lift, 0.0F};
+    rig.rest[bone(Bone::chest)] = {0.0F, (0.62F + 0.6F * shares.leg) * h + lift, 0.0F};
+    rig.crown = {0.0F, h + lift, 0.004F * h};
+    rig.headCentre = {0.0F, h + lift - 0.5F * shopper.headHeight, 0.010F * h};
+    const float chin = h + lift - shopper.headHeight;
+    const float neckBase = chin - (0.034F + shares.neckLength) * h;
     rig.rest[bone(Bone::neck)] = {0.0F, neckBase, -0.008F * h};
     rig.rest[bone(Bone::head)] = {0.0F, chin + 0.012F * h, 0.0F};
 
@@ -178,15 +180,17 @@ Rig makeRig(const Shopper& shopper) {
             rig.rest[which] = side == Side::left ? left : mirrored(left);
         };
         const Vector3f shoulderPoint(shoulder, neckBase - 0.048F * h, -0.008F * h);
-        const Vector3f elbow = shoulderPoint + 0.168F * h * along;
-        const Vector3f wrist = elbow + 0.145F * h * along;
+        const Vector3f elbow = shoulderPoint + 0.168F * h * shares.armLength * along;
+        const Vector3f wrist = elbow + 0.145F * h * shares.armLength * along;
         put(bone(side, SideBone::upperArm), shoulderPoint);
         put(bone(side, SideBone::forearm), elbow);
         put(bone(side, SideBone::forearmTwist), 0.5F * (elbow + wrist));
         put(bone(side, SideBone::hand), wrist);
-        put(bone(side, SideBone::thigh), {0.053F * h, 0.525F * h, 0.0F});
-        put(bone(side, SideBone::shin), {0.055F * h, 0.283F * h, 0.004F * h});
-        put(bone(side, SideBone::foot), {0.057F * h, 0.050F * h, -0.010F * h});
+        // Wide hips stand on legs that are farther apart.
+        const float apart = 1.0F + 0.6F * (shares.hipBreadth - 1.0F);
+        put(bone(side, SideBone::thigh), {0.053F * h * apart, (0.525F + shares.leg) * h + lift, 0.0F});
+        put(bone(side, SideBone::shin), {0.055F * h * apart, (0.283F + 0.55F * shares.leg) * h + lift, 0.004F * h});
+        put(bone(side, SideBone::foot), {0.057F * h, 0.050F * h + lift, -0.010F * h});
         constexpr std::array<float, kFingerCount> kAcross = {0.62F, 0.73F, 0.245F, -0.245F, -0.71F};
         constexpr std::array<float, kFingerCount> kUp = {0.22F, 0.97F, 1.0F, 0.97F, 0.90F};
         constexpr std::array<float, kPhalanxCount> kShare = {0.44F, 0.31F, 0.25F};

@@ -27,7 +27,7 @@ Scene::Scene(const WorldOptions& options, const View& view, const Room& room)
       view_(view),
       room_(room),
       canvas_(view.intrinsics().width, view.intrinsics().height),
-      sensor_(view.intrinsics(), room, scramble(options.seed, 0x5e75U)),
+      sensor_(view.intrinsics(), room, scramble(options.seed, 0x5e75U), options.noiseScale),
       figures_(figuresOf(options.script)),
       depth_(room.depth),
       material_(room.material) {
@@ -64,7 +64,7 @@ void Scene::prepare(std::uint32_t visit) {
     visit_ = visit;
 }
 
-void Scene::pose(Figure& figure) {
+void Scene::pose(Figure& figure, double seconds) {
     for (std::size_t i = 0; i < figure.positions.size(); ++i) {
         const Hold& hold = figure.mesh.holds[i];
         const Vector3f& p = figure.mesh.positions[i];
@@ -81,6 +81,27 @@ void Scene::pose(Figure& figure) {
                                     .normalized();
         }
     }
+    // Cloth that hangs shifts and folds anew as its wearer moves and turns, and a little by itself.
+    const Eigen::Matrix3f& facing = figure.pose.rotation[bone(Bone::pelvis)];
+    const Vector3f& place = figure.pose.position[bone(Bone::pelvis)];
+    const float drive = 2.0F * std::atan2(facing(0, 2), facing(2, 2)) + 6.0F * (place.x() + place.z()) +
+                        0.5F * std::sin(0.8F * static_cast<float>(seconds));
+    for (const Fold& fold : figure.mesh.folds) {
+        const float sway = fold.angle + drive;
+        const float wide = 4.0F * fold.angle + fold.phase - 2.0F * drive;
+        const float narrow = 7.0F * fold.angle + 2.0F * fold.phase + 3.0F * drive;
+        const float out = 0.45F * std::sin(sway) + 0.35F * std::sin(wide) + 0.20F * std::sin(narrow);
+        const float slope = 0.45F * std::cos(sway) + 1.4F * std::cos(wide) + 1.4F * std::cos(narrow);
+        const float across = std::cos(fold.angle);
+        const float ahead = std::sin(fold.angle);
+        const Hold& hold = figure.mesh.holds[fold.vertex];
+        const Eigen::Matrix3f& rotation = figure.pose.rotation[hold.first];
+        figure.positions[fold.vertex] += rotation * Vector3f(fold.reach * out * across, 0.0F, fold.reach * out * ahead);
+        // About 0.15 m from the body's axis a fold's slope turns the light by this much.
+        Vector3f& normal = figure.normals[fold.vertex];
+        const float tilt = fold.reach * slope / 0.15F;
+        normal = (normal + rotation * Vector3f(tilt * ahead, 0.0F, -tilt * across)).normalized();
+    }
 }
 
 PixelBox Scene::draw(const Moment& moment, std::size_t which) {
@@ -88,7 +109,7 @@ PixelBox Scene::draw(const Moment& moment, std::size_t which) {
     if (!inRoom(cast_, performer, moment)) return {};
     Figure& figure = figures_[which];
     figure.pose = poseOf(cast_, performer, figure.rig, moment);
-    pose(figure);
+    pose(figure, moment.seconds);
     const PixelBox box = light(view_, figure.mesh, figure.positions, figure.normals, figure.vertices, options_.colour);
     if (!box.empty())
         canvas_.draw(figure.vertices, figure.mesh, static_cast<std::uint32_t>(which) + 1, options_.colour);

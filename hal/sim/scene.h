@@ -35,7 +35,7 @@ class Scene {
         std::vector<CanvasVertex> vertices;
     };
     void prepare(std::uint32_t visit);
-    static void pose(Figure& figure);
+    static void pose(Figure& figure, double seconds);
     PixelBox draw(const Moment& moment, std::size_t which);
     void resolve(const PixelBox& box, ImageView<Rgb8> colour);
     void castShadows(const Performer& performer, const Figure& figure, ImageView<Rgb8> colour) const;

@@ -205,6 +205,8 @@ void castVisit(const WorldOptions& options, std::uint32_t visit, Cast& cast) {
             return writeMannequin(options.seed, draw, cast);
         case Script::dog:
             return writeDog(draw, cast);
+        case Script::measuring:
+            return writeMeasuring(options, visit, draw, cast);
     }
 }
 

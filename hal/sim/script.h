@@ -54,5 +54,6 @@ Pose poseOf(const Cast& cast, const Performer& performer, const Rig& rig, const 
 /// The scripts, each in its own file or in script.cpp.
 void writeGestures(const WorldOptions& options, Draw& draw, Cast& cast);
 void writeFidgeting(const WorldOptions& options, Draw& draw, Cast& cast);
+void writeMeasuring(const WorldOptions& options, std::uint32_t visit, Draw& draw, Cast& cast);
 
 }  // namespace cheval::hal::sim

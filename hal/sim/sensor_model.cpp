@@ -55,8 +55,8 @@ std::uint16_t chance(float probability) {
 
 }  // namespace
 
-SensorModel::SensorModel(const Intrinsics& intrinsics, const Room& room, std::uint32_t key)
-    : intrinsics_(intrinsics), key_(key), focalBaseline_(intrinsics.fx * kBaselineMm) {
+SensorModel::SensorModel(const Intrinsics& intrinsics, const Room& room, std::uint32_t key, float noiseScale)
+    : intrinsics_(intrinsics), key_(key), noiseScale_(noiseScale), focalBaseline_(intrinsics.fx * kBaselineMm) {
     const auto width = static_cast<std::size_t>(intrinsics.width);
     const std::size_t pixels = width * static_cast<std::size_t>(intrinsics.height);
     fixedNoise_.resize(pixels);
@@ -69,7 +69,7 @@ SensorModel::SensorModel(const Intrinsics& intrinsics, const Room& room, std::ui
     const std::uint32_t fixedKey = scramble(key, 0xf1edU);
     for (std::size_t i = 0; i < pixels; ++i) {
         const auto counter = static_cast<std::uint32_t>(i);
-        fixedNoise_[i] = kDisparityNoise * kPairShare * kPairShare *
+        fixedNoise_[i] = noiseScale * kDisparityNoise * kPairShare * kPairShare *
                          (bellShaped(scramble(fixedKey, counter)) + bellShaped(scramble(fixedKey, counter + 1)));
     }
     for (int y = 0; y < intrinsics.height; ++y) {
@@ -156,7 +156,7 @@ void SensorModel::prepareRow(const Image<float>& depth, const Image<Material>& m
         // A step of disparity of s a pixel means a surface that recedes by about s · z / b of its breadth.
         const float recession = slope * z[x] / kBaselineMm;
         probability += edge + std::clamp((recession - 4.0F) * 0.08F, 0.0F, 0.9F);
-        failure[x] = chance(probability);
+        failure[x] = chance(noiseScale_ * probability);
     }
 }
 
@@ -171,9 +171,9 @@ void SensorModel::senseRow(int y, std::uint32_t frameKey, const float* disparity
     // Failures come in small patches, half of them the same in every frame and half flickering.
     const std::uint32_t patchRow = scramble(key_, static_cast<std::uint32_t>(y / 2));
     const std::uint32_t flickerRow = scramble(frameKey, static_cast<std::uint32_t>(y / 2) + 0x5000U);
-    constexpr float kTemporal = kDisparityNoise * kPairShare * kPairShare;
+    const float temporal = noiseScale_ * kDisparityNoise * kPairShare * kPairShare;
     for (int x = 0; x < width; ++x) {
-        const float d = disparity[x] + fixedNoise[x] + kTemporal * (noise[x] + noise[x + 1]);
+        const float d = disparity[x] + fixedNoise[x] + temporal * (noise[x] + noise[x + 1]);
         const std::int32_t steps = nearestWhole(d * (1.0F / kDisparityStep));
         const float z = focalBaseline_ / (std::max(1.0F, static_cast<float>(steps)) * kDisparityStep);
         const bool inRange = z >= kNearestMm && z <= kFarthestMm;

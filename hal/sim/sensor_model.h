@@ -24,7 +24,8 @@ inline constexpr float kFarthestMm = 6000.0F;
 /// the scene, the key and the frame alone.
 class SensorModel {
   public:
-    SensorModel(const Intrinsics& intrinsics, const Room& room, std::uint32_t key);
+    /// `noiseScale` times the noise and the chances of failure of the sensor in the literature.
+    SensorModel(const Intrinsics& intrinsics, const Room& room, std::uint32_t key, float noiseScale = 1.0F);
 
     /// Readings of frame `frame` into `readings`. The scene is `depth` (millimetres, exact) and `material`; it differs
     /// from the empty room only within `changed`.
@@ -41,6 +42,7 @@ class SensorModel {
 
     Intrinsics intrinsics_;
     std::uint32_t key_;
+    float noiseScale_;
     float focalBaseline_;                     ///< Disparity times depth.
     std::vector<float> fixedNoise_;           ///< Disparity, a pixel.
     std::vector<float> roomDisparity_;        ///< 0: never a reading.

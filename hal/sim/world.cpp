@@ -20,6 +20,7 @@ WorldOptions sane(WorldOptions options) {
     options.framesPerSecond = std::clamp(options.framesPerSecond, 1.0, 240.0);
     options.visitSeconds = std::max(options.visitSeconds, 1.0);
     options.pauseSeconds = std::max(options.pauseSeconds, 0.0);
+    options.noiseScale = std::clamp(options.noiseScale, 0.0F, 5.0F);
     return options;
 }
 
@@ -61,8 +62,10 @@ FigureTruth truthOf(const View& view, const Cast& cast, const Performer& perform
     FigureTruth figure;
     figure.kind = performer.kind;
     figure.inRoom = inRoom(cast, performer, moment);
-    figure.statureMetres = performer.kind == FigureKind::dog ? performer.dog.shoulderHeight : performer.shopper.stature;
+    figure.statureMetres = performer.kind == FigureKind::dog ? performer.dog.shoulderHeight
+                                                             : performer.shopper.stature + performer.shopper.lift;
     figure.wheelchair = performer.shopper.wheelchair;
+    if (performer.kind != FigureKind::dog) figure.measurements = measureBare(performer.shopper);
     if (!figure.inRoom || performer.kind == FigureKind::dog) return figure;
     const Rig rig = makeRig(performer.shopper);
     const Pose pose = poseOf(cast, performer, rig, moment);

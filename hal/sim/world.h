@@ -12,6 +12,8 @@
 #include "hal/buttons.h"
 #include "hal/depth_camera.h"
 #include "hal/image.h"
+#include "hal/sim/clothing.h"
+#include "hal/sim/tape.h"
 
 namespace cheval::hal::sim {
 
@@ -27,8 +29,9 @@ enum class Script : std::uint8_t {
     occlusion,  ///< Somebody stops between glass and shopper for a second, hiding them wholly, and goes on.
     mannequin,  ///< A shop mannequin stands in the zone all the time; a shopper comes and goes.
     dog,        ///< A dog walks through; nobody else is there.
+    measuring,  ///< Somebody of known girths stands, takes the A-pose, turns to either side and once round; 21 s.
 };
-inline constexpr std::size_t kScriptCount = 9;
+inline constexpr std::size_t kScriptCount = 10;
 
 /// A row of visits that goes on for ever, each with other people.
 struct WorldOptions {
@@ -40,6 +43,10 @@ struct WorldOptions {
     Script script = Script::visit;
     double visitSeconds = 20.0;  ///< Walk-in to walk-out.
     double pauseSeconds = 4.0;   ///< Nobody there, between visits.
+    float noiseScale = 1.0F;     ///< Of the sensor's noise and of how often it reads nothing.
+    // Of Script::measuring.
+    Clothing clothing = Clothing::tight;
+    bool everybody = false;  ///< Children and wheelchair users come too.
 };
 
 enum class FigureKind : std::uint8_t { shopper, mannequin, dog };
@@ -53,8 +60,10 @@ struct FigureTruth {
     bool whollyInView = false;   ///< In the room, and no part of them beyond the picture's edge.
     fitting::Skeleton skeleton;  ///< Mirror frame; of somebody in the room who is not a dog, else nobody's.
     std::array<fitting::HandState, fitting::kSideCount> hands{};
-    float statureMetres = 0.0F;  ///< Floor to crown of who stands; a dog's shoulder.
+    float statureMetres = 0.0F;  ///< Floor to crown of who stands, soles included; a dog's shoulder.
     bool wheelchair = false;
+    /// The bare body's, of who is no dog; all zero for a dog.
+    TrueMeasurements measurements{};
 };
 
 /// What is really there; for tests and benchmarks only.

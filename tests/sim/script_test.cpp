@@ -131,13 +131,15 @@ TEST_P(EveryScript, DrawsEveryFigureWhereTheTruthHasIt) {
 }
 
 std::string nameOf(const testing::TestParamInfo<Script>& info) {
-    constexpr std::array<const char*, kScriptCount> kNames = {
-        "visit", "resting", "pacing", "gestures", "fidgeting", "passersBy", "occlusion", "mannequin", "dog"};
+    constexpr std::array<const char*, kScriptCount> kNames = {"visit",     "resting",   "pacing",    "gestures",
+                                                              "fidgeting", "passersBy", "occlusion", "mannequin",
+                                                              "dog",       "measuring"};
     return kNames[static_cast<std::size_t>(info.param)];
 }
 INSTANTIATE_TEST_SUITE_P(Scripts, EveryScript,
                          testing::Values(Script::resting, Script::pacing, Script::gestures, Script::fidgeting,
-                                         Script::passersBy, Script::occlusion, Script::mannequin, Script::dog),
+                                         Script::passersBy, Script::occlusion, Script::mannequin, Script::dog,
+                                         Script::measuring),
                          nameOf);
 
 TEST(Script, RestsWithoutTheLeastMotion) {

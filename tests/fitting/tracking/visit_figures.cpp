@@ -113,6 +113,8 @@ const char* nameOf(sim::Script script) {
             return "occlusion";
         case sim::Script::mannequin:
             return "mannequin";
+        case sim::Script::measuring:
+            return "measuring";
         case sim::Script::dog:
             break;
     }
