@@ -104,8 +104,9 @@ Ring Trunk::at(const Level& level, float ease, const Vector3f& colour) const {
     front = (front + shares.belly * bump(level.height, 0.36F, 0.15F) + shares.bust * bust) * depth;
     if (overThighs) front = std::max(front, (0.0575F + 0.013F * build) * shares.legGirth);
     const float seat = bump(level.height, 0.1F, 0.12F);
-    const float back =
-        (level.back + 0.4F * level.frontByBuild * build - 0.008F * sex * seat + shares.seat * seat) * depth;
+    float back = (level.back + 0.4F * level.frontByBuild * build - 0.008F * sex * seat + shares.seat * seat) * depth;
+    // A thick neck has a nape that reaches down the back.
+    back += smoothStep(0.86F, 0.97F, level.height) * neckRadius(shopper) / h * (1.0F - 1.0F / shares.neckGirth);
     const float y = crotch + level.height * (neckBase - crotch);
     return {.centre = {0.0F, y, -0.004F * h * upper},
             .halfWidth = width * h + ease,

@@ -99,7 +99,7 @@ void addShirt(const Shopper& shopper, const Rig& rig, const Trunk& trunk, Mesh& 
     followThighs(mesh, first, 3, kTrunkSegments, shares);
 }
 
-constexpr std::size_t kFallSteps = 26;
+constexpr std::size_t kFallSteps = 30;
 constexpr float kFallFrom = 0.70F;  ///< Where cloth leaves the body, as a level's height.
 
 /// Cloth that lies on shoulders and chest and falls from there: it follows only what stands out below.
@@ -121,12 +121,14 @@ void addDrape(const Shopper& shopper, const Rig& rig, const Trunk& trunk, Mesh& 
         body.centre.y() = trunk.crotch + height * length;
         for (const Ring& thigh : thighs) {
             if (std::abs(thigh.centre.y() - body.centre.y()) > 0.06F) continue;
-            // A section is less deep before a thigh than in the middle.
-            body.front = std::max(body.front, 1.1F * (thigh.centre.z() + thigh.front));
+            // A section is less deep before a thigh than in the middle, and who stands holds thighs a little forward.
+            const float forward = 0.12F * std::max(0.0F, thighs.front().centre.y() - body.centre.y());
+            body.front = std::max(body.front, 1.1F * (thigh.centre.z() + thigh.front) + forward);
+            body.halfWidth = std::max(body.halfWidth, 1.02F * (thigh.centre.x() + thigh.halfWidth));
             body.back = std::max(body.back, 1.1F * (thigh.back - thigh.centre.z()));
         }
         Ring ring = body;
-        const float worn = drape.ease * (0.35F + 0.65F * smoothStep(kTop, 0.80F, height));
+        const float worn = drape.ease * (0.45F + 0.55F * smoothStep(kTop, 0.80F, height));
         ring.halfWidth += worn;
         ring.front += worn;
         ring.back += worn;
@@ -135,7 +137,7 @@ void addDrape(const Shopper& shopper, const Rig& rig, const Trunk& trunk, Mesh& 
                             smoothStep(kBeltHeight + 0.14F, kBeltHeight + 0.08F, height);
         if (height < kFallFrom) {
             const float wider = drape.flare * (above.centre.y() - ring.centre.y());
-            const float least = std::max(0.35F * drape.ease, under + 0.006F);
+            const float least = std::max(0.35F * drape.ease, under + 0.007F);
             const float ahead = above.centre.z() - ring.centre.z();
             ring.halfWidth = std::max(body.halfWidth + least, above.halfWidth + wider);
             ring.front = std::max(body.front + least, above.front + ahead + wider);
@@ -147,11 +149,12 @@ void addDrape(const Shopper& shopper, const Rig& rig, const Trunk& trunk, Mesh& 
         ring.shade = 0.93F + 0.07F * smoothStep(hem, 0.5F, height);
         rings[at] = ring;
         heights[at] = height;
-        // As the seat below it.
-        shares[at] = 0.55F * (1.0F - smoothStep(-0.02F, 0.16F, height));
+        // As the seat below it, and more where it lies on the thighs.
+        shares[at] =
+            0.55F * (1.0F - smoothStep(-0.02F, 0.16F, height)) + 0.30F * (1.0F - smoothStep(-0.30F, 0.02F, height));
         const float room =
             std::min({ring.halfWidth - body.halfWidth, ring.front - body.front, ring.back - body.back}) - under;
-        reach[at] = std::min(drape.folds * smoothStep(kFallFrom, std::min(0.15F, hem + 0.2F), height), 0.85F * room);
+        reach[at] = std::min(drape.folds * smoothStep(kFallFrom, std::min(0.15F, hem + 0.2F), height), 0.6F * room);
     }
     rings[0] = rings[1];
     const float turned = std::min(0.5F * drape.ease, 0.012F);

@@ -132,7 +132,7 @@ void dress(Draw& draw, Clothing clothing, Shopper& shopper) {
             shopper.drape.hem = draw.between(-0.10F, 0.06F);
             shopper.drape.folds = draw.between(0.006F, 0.014F);
             shopper.sleeves = draw.choice(3) == 0 ? Sleeves::shortSleeves : Sleeves::longSleeves;
-            shopper.trouserEase = draw.between(0.005F, 0.014F);
+            shopper.trouserEase = draw.between(0.003F, 0.009F);
             soles(0.015F, 0.035F);
             break;
         case Clothing::wide:

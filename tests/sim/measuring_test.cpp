@@ -27,7 +27,8 @@ TEST(Measuring, FacesTheGlassThenShowsBothSidesAndTheBack) {
         double facing = 0.0, left = 0.0, right = 0.0;
         bool turned = false, back = false;
         float before = 0.0F;
-        for (double t = 3.4; t < 22.5; t += kStep) {
+        for (int frame = 102; frame < 675; ++frame) {
+            const double t = kStep * frame;
             const fitting::Skeleton skeleton = truthAt(world, t).skeleton;
             ASSERT_TRUE(skeleton.present()) << "seed " << seed << " at " << t;
             const float yaw = yawOf(skeleton);

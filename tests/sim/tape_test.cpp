@@ -216,7 +216,8 @@ TEST_P(EveryClothing, OnlyEverAddsToTheBody) {
         buildFigure(bare, makeRig(bare), body);
         EXPECT_LE(clothes.positions.size(), kMaximumFigureVertices);
         EXPECT_LE(clothes.triangles.size(), kMaximumFigureTriangles);
-        for (float share = 0.08F; share < 0.99F; share += 0.013F) {
+        for (int level = 6; level < 76; ++level) {
+            const float share = 0.013F * static_cast<float>(level);
             const float height = share * bare.stature;
             const auto skin = reachAt(body, height);
             const auto cloth = reachAt(clothes, height + dressed.lift);
