@@ -79,7 +79,7 @@ void shapeAdult(Draw& draw, Shopper& shopper) {
     shares.squareness = std::clamp(2.2F + 0.14F * normal(draw), 1.9F, 2.6F);
     shares.bust = woman ? std::max(-0.004F, 0.006F + 0.007F * (0.5F * fat + normal(draw))) : 0.003F * normal(draw);
     shares.belly = std::max(0.0F, (woman ? 0.005F : 0.008F) * (fat + normal(draw)));
-    shares.seat = 0.004F * normal(draw) + (woman ? 0.002F : 0.0F);
+    shares.seat = (woman ? 0.006F : 0.005F) + 0.003F * normal(draw);
     const auto broader = [&](float deviation, float& breadth, float& depth) {
         const float ratio = deviation * normal(draw);
         breadth = 1.0F + ratio;
@@ -92,8 +92,9 @@ void shapeAdult(Draw& draw, Shopper& shopper) {
     shares.neckGirth = (woman ? 1.04F : 1.05F) + 0.03F * normal(draw) + 0.02F * fat;
     shares.armGirth = 1.0F + 0.06F * normal(draw);
     shares.legGirth = 1.0F + 0.03F * normal(draw);
-    shares.armLength = 1.0F + 0.03F * normal(draw);
-    shares.leg = std::clamp(0.010F * normal(draw), -0.022F, 0.022F);
+    shares.armLength = 0.98F + 0.03F * normal(draw);
+    // Crotches at about 0.47 of a woman's stature and 0.475 of a man's.
+    shares.leg = (woman ? 0.010F : 0.016F) + std::clamp(0.009F * normal(draw), -0.02F, 0.02F);
     shares.neckLength = 0.004F * normal(draw);
     shares.stoop = std::clamp(0.02F + 0.035F * normal(draw), -0.04F, 0.12F);
     fitGirths(shopper, girths);
