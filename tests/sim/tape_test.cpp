@@ -271,5 +271,51 @@ TEST(Clothing, HidesTheWaistWhereItIsLoose) {
     EXPECT_GT(hidden, 10);
 }
 
+TEST(Clothing, HangsInFoldsWhereItIsLoose) {
+    for (std::uint32_t seed = 1; seed <= 12; ++seed) {
+        Mesh mesh;
+        const Shopper tight = makeMeasuredShopper(seed, 0, Clothing::tight, false);
+        buildFigure(tight, makeRig(tight), mesh);
+        EXPECT_TRUE(mesh.folds.empty());
+        const Shopper loose = makeMeasuredShopper(seed, 0, Clothing::loose, false);
+        buildFigure(loose, makeRig(loose), mesh);
+        ASSERT_FALSE(mesh.folds.empty());
+        float deepest = 0.0F;
+        for (const Fold& fold : mesh.folds) {
+            ASSERT_LT(fold.vertex, mesh.positions.size());
+            deepest = std::max(deepest, fold.reach);
+        }
+        EXPECT_GT(deepest, 0.003F);
+        EXPECT_LE(deepest, loose.drape.folds);
+    }
+}
+
+TEST(Clothing, ShowsMoreOfWhoIsLooselyDressedInEveryFrame) {
+    const auto breadths = [](Clothing clothing) {
+        World world({.seed = 12,
+                     .colour = false,
+                     .sensorNoise = false,
+                     .script = Script::measuring,
+                     .visitSeconds = 23.0,
+                     .clothing = clothing});
+        Image<std::uint16_t> depth;
+        Image<Rgb8> none;
+        std::vector<int> pixels;
+        for (std::uint64_t frame = 130; frame < 180; frame += 10) {
+            renderFrame(world, frame, depth, none);
+            const ImageView<const std::uint8_t> owner = exactView(world).owner;
+            int seen = 0;
+            for (int y = 0; y < owner.height; ++y)
+                seen += static_cast<int>(std::count(owner.row(y), owner.row(y) + owner.width, std::uint8_t{1}));
+            pixels.push_back(seen);
+        }
+        return pixels;
+    };
+    const std::vector<int> bare = breadths(Clothing::bare);
+    const std::vector<int> loose = breadths(Clothing::loose);
+    for (std::size_t i = 0; i < bare.size(); ++i)
+        EXPECT_GT(loose[i], bare[i] + 300);
+}
+
 }  // namespace
 }  // namespace cheval::hal::sim
