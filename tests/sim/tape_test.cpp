@@ -20,6 +20,7 @@ using Eigen::Vector3f;
 using fitting::Dimension;
 
 constexpr double kTau = 2.0 * std::numbers::pi;
+constexpr std::array<fitting::Side, 2> kSides = {fitting::Side::left, fitting::Side::right};
 
 float of(const TrueMeasurements& truth, Dimension dimension) {
     return truth[static_cast<std::size_t>(dimension)];
@@ -177,18 +178,20 @@ TEST(MeasuredShopper, ComesAsAChildOrSeatedOnlyWhenAsked) {
     EXPECT_GT(seated, 3);
 }
 
-/// How far a mesh's skin reaches from the middle in 32 directions at a height, arms left out; −1: not there.
-std::array<float, 32> reachAt(const Mesh& mesh, float height) {
-    std::array<float, 32> reach;
-    reach.fill(-1.0F);
-    const auto isArm = [&](const Hold& hold) {
-        return (hold.first >= bone(fitting::Side::left, SideBone::upperArm) &&
-                hold.first <= bone(fitting::Side::left, SideBone::hand)) ||
-               (hold.first >= bone(fitting::Side::right, SideBone::upperArm) &&
-                hold.first <= bone(fitting::Side::right, SideBone::hand)) ||
-               hold.second == bone(fitting::Side::left, SideBone::upperArm) ||
-               hold.second == bone(fitting::Side::right, SideBone::upperArm);
-    };
+/// Whether a vertex is an arm's or a hand's.
+bool isArm(const Hold& hold) {
+    return std::any_of(kSides.begin(), kSides.end(), [&](fitting::Side side) {
+        const auto within = [&](std::size_t which) {
+            return (which >= bone(side, SideBone::upperArm) && which <= bone(side, SideBone::hand)) ||
+                   (which >= phalanx(side, 0, 0) && which <= phalanx(side, kFingerCount - 1, kPhalanxCount - 1));
+        };
+        return within(hold.first) || within(hold.second);
+    });
+}
+
+/// Where a mesh's edges pass a height, arms left out; x and z.
+std::vector<Vector2f> sectionAt(const Mesh& mesh, float height) {
+    std::vector<Vector2f> section;
     for (const auto& triangle : mesh.triangles) {
         for (std::size_t i = 0; i < 3; ++i) {
             const Vector3f& a = mesh.positions[triangle[i]];
@@ -196,13 +199,60 @@ std::array<float, 32> reachAt(const Mesh& mesh, float height) {
             if ((a.y() - height) * (b.y() - height) > 0.0F || a.y() == b.y()) continue;
             if (isArm(mesh.holds[triangle[i]])) continue;
             const Vector3f p = a + (height - a.y()) / (b.y() - a.y()) * (b - a);
-            for (std::size_t k = 0; k < reach.size(); ++k) {
-                const auto angle = static_cast<float>(kTau * static_cast<double>(k) / 32.0);
-                reach[k] = std::max(reach[k], p.x() * std::cos(angle) + p.z() * std::sin(angle));
-            }
+            section.emplace_back(p.x(), p.z());
+        }
+    }
+    return section;
+}
+
+/// How far a mesh's skin reaches from the middle in 32 directions at a height, arms left out; −1: not there.
+std::array<float, 32> reachAt(const Mesh& mesh, float height) {
+    std::array<float, 32> reach;
+    reach.fill(-1.0F);
+    for (const Vector2f& p : sectionAt(mesh, height)) {
+        for (std::size_t k = 0; k < reach.size(); ++k) {
+            const auto angle = static_cast<float>(kTau * static_cast<double>(k) / 32.0);
+            reach[k] = std::max(reach[k], p.x() * std::cos(angle) + p.y() * std::sin(angle));
         }
     }
     return reach;
+}
+
+/// A tape about the points that lie farthest out in each of 180 directions.
+float tapeAbout(const std::vector<Vector2f>& section) {
+    std::vector<Vector2f> farthest;
+    for (int k = 0; k < 180; ++k) {
+        const double angle = kTau * k / 180.0;
+        const Vector2f way(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)));
+        farthest.push_back(*std::max_element(section.begin(), section.end(), [&](const Vector2f& a, const Vector2f& b) {
+            return a.dot(way) < b.dot(way);
+        }));
+    }
+    return tapeLength(farthest);
+}
+
+TEST(Tape, AgreesWithCutsThroughTheMeshThatIsDrawn) {
+    for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+        const Shopper bare = makeMeasuredShopper(seed, 0, Clothing::bare, false);
+        const Rig rig = makeRig(bare);
+        Mesh mesh;
+        buildFigure(bare, rig, mesh);
+        const TrueMeasurements truth = measureBare(bare);
+        const float crotch = (0.475F + bare.shares.leg) * bare.stature;
+        const float trunk = rig.at(Bone::neck).y() - crotch;
+        EXPECT_NEAR(of(truth, Dimension::chestGirth), tapeAbout(sectionAt(mesh, crotch + 0.67F * trunk)), 1e-3F);
+        EXPECT_NEAR(of(truth, Dimension::waistGirth), tapeAbout(sectionAt(mesh, crotch + 0.42F * trunk)), 1e-3F);
+        // Hips: at one of the levels below the belt, none of which is larger by much.
+        float widest = 0.0F;
+        for (int level = 0; level <= 25; ++level)
+            widest = std::max(widest, tapeAbout(sectionAt(mesh, crotch + 0.01F * static_cast<float>(level) * trunk)));
+        EXPECT_LE(of(truth, Dimension::hipGirth), widest + 1e-3F);
+        EXPECT_GT(of(truth, Dimension::hipGirth), widest - 0.05F);
+        float highest = 0.0F;
+        for (const Vector3f& p : mesh.positions)
+            highest = std::max(highest, p.y());
+        EXPECT_NEAR(of(truth, Dimension::stature), highest, 1e-4F);
+    }
 }
 
 class EveryClothing : public testing::TestWithParam<Clothing> {};
