@@ -33,6 +33,15 @@ std::vector<Eigen::Vector3f> toPoints(const std::vector<float>& numbers) {
     return points;
 }
 
+/// An object's member, or a list's entry by its number from 0; null where there is none.
+const tinygltf::Value* part(const tinygltf::Value& whole, const std::string& name) {
+    if (whole.IsObject()) return whole.Has(name) ? &whole.Get(name) : nullptr;
+    std::size_t number = 0;
+    const auto read = std::from_chars(name.data(), name.data() + name.size(), number);
+    const bool entry = whole.IsArray() && read.ec == std::errc() && read.ptr == name.data() + name.size();
+    return entry && number < whole.ArrayLen() ? &whole.Get(static_cast<int>(number)) : nullptr;
+}
+
 }  // namespace
 
 struct AssetFile::State {
@@ -46,11 +55,17 @@ struct AssetFile::State {
                                         [name](const tinygltf::Node& node) { return node.name == name; });
         return found == model.nodes.end() ? nullptr : &*found;
     }
-    [[nodiscard]] const tinygltf::Value* extra(const std::string& key) const {
+    /// The value at a path of asset.extras.cheval, such as "sizes/ease"; null where there is none.
+    [[nodiscard]] const tinygltf::Value* extra(const std::string& path) const {
         const tinygltf::Value& extras = model.asset.extras;
         if (!extras.IsObject() || !extras.Has("cheval") || !extras.Get("cheval").IsObject()) return nullptr;
-        const tinygltf::Value& ours = extras.Get("cheval");
-        return ours.Has(key) ? &ours.Get(key) : nullptr;
+        const tinygltf::Value* value = &extras.Get("cheval");
+        for (std::size_t begin = 0; value != nullptr && begin <= path.size();) {
+            const std::size_t end = std::min(path.find('/', begin), path.size());
+            value = part(*value, path.substr(begin, end - begin));
+            begin = end + 1;
+        }
+        return value;
     }
 };
 
@@ -110,6 +125,20 @@ std::vector<std::string> AssetFile::meshNodes() const {
 
 bool AssetFile::hasNode(std::string_view node) const {
     return state_->find(node) != nullptr;
+}
+
+bool AssetFile::has(const std::string& path) const {
+    return state_->extra(path) != nullptr;
+}
+
+std::vector<std::string> AssetFile::keys(const std::string& path) const {
+    const tinygltf::Value* const value = state_->extra(path);
+    return value != nullptr && value->IsObject() ? value->Keys() : std::vector<std::string>();
+}
+
+std::size_t AssetFile::length(const std::string& path) const {
+    const tinygltf::Value* const value = state_->extra(path);
+    return value != nullptr && value->IsArray() ? value->ArrayLen() : 0;
 }
 
 std::optional<std::string> AssetFile::text(const std::string& key) const {

@@ -60,6 +60,12 @@ class AssetFile {
     /// Names of the nodes that have a mesh, in the file's order.
     [[nodiscard]] std::vector<std::string> meshNodes() const;
     [[nodiscard]] bool hasNode(std::string_view node) const;
+    /// Whether asset.extras.cheval has something at this path: members and numbers of entries, joined by "/", such as
+    /// "sizes/chest_girth/0/over". text() and number() take such paths too.
+    [[nodiscard]] bool has(const std::string& path) const;
+    /// The members of the object at a path, and the length of the list there; none and 0 where there is no such thing.
+    [[nodiscard]] std::vector<std::string> keys(const std::string& path) const;
+    [[nodiscard]] std::size_t length(const std::string& path) const;
     /// Reads the mesh of that node. Refuses a node that is moved, turned or scaled: cages and meshes are in the
     /// reference body's place.
     [[nodiscard]] Expected<AssetMesh> mesh(const std::string& node, const MeshNeeds& needs) const;

@@ -9,6 +9,7 @@
 #include "fitting/animation/weight_transfer.h"
 #include "fitting/garment/asset_file.h"
 #include "fitting/garment/cage_matching.h"
+#include "fitting/garment/garment_sizes.h"
 #include "fitting/outfit.h"
 
 namespace cheval::fitting {
@@ -129,7 +130,7 @@ Expected<void> readProperties(const AssetFile& asset, Garment& garment) {
                             "it shares out how layers give way");
     }
     garment.rigidity = static_cast<float>(rigidity);
-    return {};
+    return readGarmentSizes(asset, garment);
 }
 
 Expected<Garment> parse(std::span<const std::byte> bytes, const std::string& file, const CageTemplate& cageTemplate,

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "fitting/body/body.h"
+#include "fitting/body/size_chart.h"
 #include "fitting/material.h"
 #include "fitting/mesh.h"
 #include "hal/expected.h"
@@ -32,6 +34,10 @@ struct Garment {
         covered;  ///< Per cage vertex: 1 where the garment covers the body, else its cages do not count.
     std::vector<std::uint8_t> simulated;  ///< Per mesh vertex: 1 = free (D7).
     Material material;
+    /// Whom it is cut for; nothing: the file does not say.
+    std::optional<SizesFor> cutFor;
+    /// Its maker's own chart, of the bodies that each size is for; nothing: it goes by the shop's.
+    std::optional<SizeChart> sizes;
 };
 
 /// Limits that are checked before anything is allocated.

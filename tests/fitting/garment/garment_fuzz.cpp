@@ -31,6 +31,17 @@ void checkMesh(const fitting::RestMesh& mesh) {
     }
 }
 
+// Bands that rise, one for each size.
+void checkSizes(const fitting::SizeChart& chart) {
+    if (chart.sizes.empty() || chart.sizes.size() > fitting::kMaximumSizes) __builtin_trap();
+    for (const std::vector<float>& edges : chart.edges) {
+        if (!edges.empty() && edges.size() != chart.sizes.size() + 1) __builtin_trap();
+        for (std::size_t i = 1; i < edges.size(); ++i) {
+            if (!(edges[i] > edges[i - 1])) __builtin_trap();
+        }
+    }
+}
+
 // Makes the header's lengths right, since a changed length is all that a search would find otherwise.
 void repairLengths(std::vector<std::byte>& bytes) {
     const auto put = [&bytes](std::size_t at, std::size_t value) {
@@ -47,6 +58,7 @@ void loadBoth(std::span<const std::byte> bytes) {
     if (garment) {
         checkMesh(garment->mesh);
         if (garment->innerCage.size() != body().outerCage.size()) __builtin_trap();
+        if (garment->sizes) checkSizes(*garment->sizes);
     }
     const auto mannequin = fitting::parseBody(bytes, "fuzz.glb");
     if (mannequin) checkMesh(mannequin->mesh);
@@ -93,6 +105,11 @@ std::vector<FuzzInput> fuzzSeeds() {
         textured.addTexture(scrap.name, png);
         add(textured);
     }
+    GlbBuilder sized = garmentGlb(scrap, body());
+    sized.json["asset"]["extras"]["cheval"]["sizes"] = nlohmann::json::parse(
+        R"({"for": "women", "unit": "cm", "ease": {"hip_girth": 4},
+            "hip_girth": [{"size": "S", "over": 94, "to": 102}, {"size": "M", "over": 102, "to": 110}]})");
+    add(sized);
     fitting::Body small = body();
     small.mesh = scrap.mesh;
     add(bodyGlb(small));
