@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <utility>
 
 #include "config/shipped_files.h"
@@ -98,11 +99,29 @@ RecoveryOptions recoveryOptions(const config::Settings& settings, const Recovery
     return options;
 }
 
+namespace {
+
+std::optional<fitting::SizesFor> sizesFor(config::SizesFor people) {
+    switch (people) {
+        case config::SizesFor::women:
+            return fitting::SizesFor::women;
+        case config::SizesFor::men:
+            return fitting::SizesFor::men;
+        case config::SizesFor::none:
+            break;
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
 WardrobeOptions wardrobeOptions(const config::Settings& settings) {
     return {.folder = settings.wardrobe.folder.empty() ? shippedAssetsFolder() : settings.wardrobe.folder,
             .garments = settings.wardrobe.garments,
             .outfits = settings.wardrobe.outfits,
-            .startOutfit = settings.wardrobe.startOutfit};
+            .startOutfit = settings.wardrobe.startOutfit,
+            .sizesFolder = settings.fitting.sizesFolder.empty() ? shippedSizesFolder() : settings.fitting.sizesFolder,
+            .sizesFor = sizesFor(settings.fitting.sizes)};
 }
 
 render::RendererOptions rendererOptions(const config::Settings& settings, const hal::DisplayMode& mode) {

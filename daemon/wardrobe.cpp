@@ -6,6 +6,8 @@
 
 #include "config/nearest_name.h"
 #include "config/shipped_files.h"
+#include "config/size_table.h"
+#include "daemon/size_charts.h"
 
 namespace cheval::daemon {
 
@@ -69,6 +71,13 @@ Expected<OutfitChoice> makeChoice(const Wardrobe& wardrobe, std::string_view nam
 
 Wardrobe loadWardrobe(const WardrobeOptions& options) {
     Wardrobe wardrobe;
+    wardrobe.sizesFor = options.sizesFor;
+    if (!options.sizesFolder.empty()) {
+        SizeCharts sizes = loadSizeCharts(options.sizesFolder, options.sizesFor);
+        wardrobe.charts = std::move(sizes.charts);
+        for (Error& refusal : sizes.refusals)
+            wardrobe.refusals.push_back(std::move(refusal).within("while loading the size tables"));
+    }
     const fs::path folder(options.folder);
     Expected<fitting::Body> body = fitting::loadBody((folder / "body.glb").string());
     if (!body) {
@@ -110,9 +119,22 @@ Expected<std::size_t> chooseOutfit(Wardrobe& wardrobe, std::string_view names) {
     return wardrobe.outfits.size() - 1;
 }
 
+const fitting::SizeChart* sizeChartOf(const Wardrobe& wardrobe, const fitting::Garment& garment) {
+    if (garment.sizes) return &*garment.sizes;
+    const std::optional<fitting::SizesFor> people = garment.cutFor ? garment.cutFor : wardrobe.sizesFor;
+    if (!people) return nullptr;
+    const std::optional<fitting::SizeChart>& chart = wardrobe.charts[static_cast<std::size_t>(*people)];
+    return chart ? &*chart : nullptr;
+}
+
 std::string shippedAssetsFolder() {
     std::string installed = config::shippedPath("share/cheval/assets");
     return installed.empty() ? CHEVAL_BUILT_ASSETS : installed;
+}
+
+std::string shippedSizesFolder() {
+    std::string installed = config::shippedPath(config::kShippedSizes);
+    return installed.empty() ? CHEVAL_SOURCE_SIZES : installed;
 }
 
 }  // namespace cheval::daemon

@@ -59,8 +59,12 @@ TEST(SizeTable, knowsItsUnits) {
         std::string text(kHead);
         text.replace(text.find("cm"), 2, unit);
         const std::string over = std::string(unit) == "mm" ? "825" : std::string(unit) == "cm" ? "82.5" : "32.5";
-        const auto table = parseSizeTable(
-            text + "chest_girth = [ { size = \"S\", over = " + over + ", to = " + to + " } ]\n", "women.toml");
+        text.append("chest_girth = [ { size = \"S\", over = ")
+            .append(over)
+            .append(", to = ")
+            .append(to)
+            .append(" } ]\n");
+        const auto table = parseSizeTable(text, "women.toml");
         ASSERT_TRUE(table.hasValue()) << table.error().message();
         EXPECT_NEAR(table->bands[0][0].to, metres, 1e-9);
     }

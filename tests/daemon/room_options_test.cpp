@@ -1,6 +1,9 @@
 #include "daemon/room_options.h"
 
+#include <optional>
+#include <string>
 #include <tuple>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -55,6 +58,22 @@ TEST(RoomOptions, AHoldMeansWhatTheSettingsSay) {
     EXPECT_TRUE(sessionOptions(settings, Wardrobe{}).holdChangesView);
     settings.session.hold = config::HoldMeaning::nothing;
     EXPECT_FALSE(sessionOptions(settings, Wardrobe{}).holdChangesView);
+}
+
+TEST(RoomOptions, TheSizesAreThoseThatTheSettingsName) {
+    config::Settings settings = config::defaultSettings();
+    EXPECT_EQ(wardrobeOptions(settings).sizesFor, fitting::SizesFor::women);
+    EXPECT_EQ(wardrobeOptions(settings).sizesFolder, shippedSizesFolder());
+    for (const auto& [text, people] : {std::pair("women", std::optional(fitting::SizesFor::women)),
+                                       std::pair("men", std::optional(fitting::SizesFor::men)),
+                                       std::pair("none", std::optional<fitting::SizesFor>())}) {
+        const config::LoadedSettings loaded = config::loadSettingsText(
+            "[fitting]\nsizes = \"" + std::string(text) + "\"\nsizes_folder = \"charts\"\n", "/etc/cheval/cheval.toml");
+        ASSERT_TRUE(loaded.good()) << loaded.problems.front().message();
+        EXPECT_EQ(wardrobeOptions(loaded.settings).sizesFor, people);
+        EXPECT_EQ(wardrobeOptions(loaded.settings).sizesFolder, "/etc/cheval/charts");
+    }
+    EXPECT_FALSE(config::loadSettingsText("[fitting]\nsizes = \"children\"\n", "a.toml").good());
 }
 
 }  // namespace
