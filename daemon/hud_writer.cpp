@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstddef>
 #include <filesystem>
 #include <string>
+
+#include "fitting/body/size_words.h"
 
 namespace cheval::daemon {
 
@@ -72,6 +75,41 @@ std::string_view promptOf(SessionState state) {
     return "";
 }
 
+/// Text on its way into fixed memory; what is too long is cut.
+class Line {
+  public:
+    void add(std::string_view part) { length_ += part.copy(bytes_.data() + length_, bytes_.size() - length_); }
+    void addCentimetres(float metres) {
+        std::array<char, 16> digits{};
+        const auto written =
+            std::to_chars(digits.data(), digits.data() + digits.size(), 100.0F * metres, std::chars_format::fixed, 1);
+        add(written.ec == std::errc() ? std::string_view(digits.data(), written.ptr) : std::string_view("?"));
+    }
+    [[nodiscard]] std::string_view view() const { return {bytes_.data(), length_}; }
+
+  private:
+    std::array<char, 512> bytes_{};
+    std::size_t length_ = 0;
+};
+
+/// A new line of "stature 172.4 ± 0.6 cm, chest girth …", for a technician who asks; nothing where nothing is measured.
+void addMeasurements(const fitting::Measurements& measurements, Line& line) {
+    bool any = false;
+    for (std::size_t i = 0; i < fitting::kDimensionCount; ++i) {
+        const fitting::Measurement& measurement = measurements.dimensions[i];
+        if (!measurement.valid) continue;
+        line.add(any ? ", " : "\n");
+        any = true;
+        for (const char letter : fitting::kDimensionNames[i])
+            line.add(letter == '_' ? std::string_view(" ") : std::string_view(&letter, 1));
+        line.add(" ");
+        line.addCentimetres(measurement.value);
+        line.add(" ± ");
+        line.addCentimetres(measurement.uncertainty);
+        line.add(" cm");
+    }
+}
+
 }  // namespace
 
 std::string serviceText(const Error& error) {
@@ -95,9 +133,17 @@ void writeHud(const HudSources& sources, render::HudState& hud) {
     hud.carouselSelected = sources.session->outfit();
     hud.prompt.assign(sources.away ? std::string_view("One moment, the mirror will be back")
                                    : promptOf(sources.session->state()));
-    hud.advice.assign("");
+    fitting::AdviceText advice{};
+    const bool told = sources.advice != nullptr && sources.session->dressed() && !sources.away;
+    hud.advice.assign(told ? fitting::adviceInWords(*sources.advice, advice) : std::string_view());
     join(sources.fault, sources.notice, hud.service);
     if (hud.service.length == 0) hud.service.assign("All is well.");
+    if (sources.session->serviceScreen() && sources.measurements != nullptr) {
+        Line line;
+        line.add(hud.service.view());
+        addMeasurements(*sources.measurements, line);
+        hud.service.assign(line.view());
+    }
     for (std::size_t side = 0; side < fitting::kSideCount; ++side) {
         hud.cursors[side] = {};
         if (sources.session->dressed() && sources.hands != nullptr && sources.mapping != nullptr)

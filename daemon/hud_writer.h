@@ -6,6 +6,8 @@
 
 #include "daemon/session.h"
 #include "daemon/wardrobe.h"
+#include "fitting/advice.h"
+#include "fitting/body.h"
 #include "fitting/hands.h"
 #include "fitting/skeleton.h"
 #include "hal/expected.h"
@@ -21,6 +23,8 @@ struct HudSources {
     const Wardrobe* wardrobe = nullptr;
     const fitting::Hands* hands = nullptr;
     const fitting::SensorPlacement* placement = nullptr;
+    const fitting::SizeAdvice* advice = nullptr;          ///< Null: none is told.
+    const fitting::Measurements* measurements = nullptr;  ///< For the service screen alone; null: none are made.
     hal::Intrinsics intrinsics;
     const render::MirrorMapping* mapping = nullptr;  ///< From the sensor's picture to the display.
     int displayWidth = 1080;
@@ -36,7 +40,8 @@ std::string serviceText(const Error& error);
 
 /// The carousel's names; needed once, and again when the wardrobe changes.
 void writeCarousel(const Wardrobe& wardrobe, render::HudState& hud);
-/// Everything else, each frame. Takes no heap memory.
+/// Everything else, each frame. Takes no heap memory. Lengths and girths go onto the service screen while a technician
+/// has it open, and nowhere else.
 void writeHud(const HudSources& sources, render::HudState& hud);
 
 }  // namespace cheval::daemon

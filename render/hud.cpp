@@ -22,7 +22,7 @@ struct Place {
 constexpr std::array<Place, kLayerCount> kPlaces = {{{0, 470, 1080, 560, false},
                                                      {60, 84, 960, 220, false},
                                                      {0, -330, 1080, 330, true},
-                                                     {190, -430, 700, 96, true},
+                                                     {60, -497, 960, 163, true},
                                                      {80, 500, 920, 800, false},
                                                      {-66, -66, kCursorSize, kCursorSize, false},
                                                      {-66, -66, kCursorSize, kCursorSize, false}}};
@@ -196,12 +196,16 @@ void Hud::drawCarousel(Pen& pen, const HudState& state) const {
 void Hud::drawAdvice(Pen& pen, const HudState& state) const {
     if (state.advice.length == 0) return;
     const double width = kPlaces[kAdvice].width;
-    const TextStyle style{.size = 44, .weight = PANGO_WEIGHT_MEDIUM, .red = 0.09, .green = 0.09, .blue = 0.09};
+    const TextStyle style{
+        .size = 44, .weight = PANGO_WEIGHT_MEDIUM, .red = 0.09, .green = 0.09, .blue = 0.09, .lines = 2};
     const auto [textWidth, textHeight] = pen.measure(state.advice.view(), style, width - 80);
+    // A second line rises into the picture; the last one always stands right above the cards.
+    constexpr double kOneLineTop = 67;
+    const double top = kOneLineTop + pen.measure("H", style, width - 80).second - textHeight;
     const double box = textWidth + 72;
     pen.colour(0.97, 0.96, 0.94, 0.9);
-    pen.fillRoundedBox((width - box) / 2, 0, box, textHeight + 32, 44);
-    pen.text(state.advice.view(), style, 40, 16, width - 80);
+    pen.fillRoundedBox((width - box) / 2, top, box, textHeight + 32, 44);
+    pen.text(state.advice.view(), style, 40, top + 16, width - 80);
 }
 
 void Hud::drawService(Pen& pen, const HudState& state) const {

@@ -55,7 +55,7 @@ struct HudState {
     std::size_t carouselSelected = 0;
     std::array<HandCursor, fitting::kSideCount> cursors{};
     FixedText<160> prompt;   ///< What to do now.
-    FixedText<64> advice;    ///< Size advice.
+    FixedText<160> advice;   ///< Size advice.
     FixedText<512> service;  ///< Cause and mend; service screen only.
 };
 
