@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "fitting/bake/body_shapes.h"
 #include "fitting/bake/skinning.h"
 
 namespace cheval::fitting::bake {
@@ -330,9 +331,11 @@ BodyModel makeBody() {
     for (std::size_t j = 0; j < kJointCount; ++j) {
         body.joints[j] = model.field.joints()[j].cast<float>();
     }
+    body.meshWeld = weldPoints(body.mesh.positions);
     body.material.name = "Mannequin";
     body.material.baseColour = Eigen::Vector4f(0.80F, 0.775F, 0.745F, 1.0F);
     body.material.roughness = 0.55F;
+    makeBodyShapes(model);
     return model;
 }
 

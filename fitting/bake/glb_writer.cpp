@@ -127,7 +127,7 @@ class Document {
     void addMesh(const std::string& name, std::span<const Eigen::Vector3f> positions,
                  std::span<const Eigen::Vector3f> normals, std::span<const Eigen::Vector2f> uv,
                  std::span<const SkinningWeights> weights, std::span<const Triangle> triangles, const Scalars& scalars,
-                 int material) {
+                 int material, const Eigen::MatrixXf& shapes = {}) {
         tinygltf::Primitive primitive;
         primitive.mode = TINYGLTF_MODE_TRIANGLES;
         primitive.material = material;
@@ -159,8 +159,21 @@ class Document {
         primitive.indices = addAccessor(
             addView(indices.data(), indices.size() * sizeof(std::uint32_t), TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER),
             TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, indices.size());
+        // Columns of displacements become morph targets.
+        for (Eigen::Index k = 0; k < shapes.cols(); ++k) {
+            std::vector<Eigen::Vector3f> moved(positions.size());
+            for (std::size_t i = 0; i < moved.size(); ++i)
+                moved[i] = shapes.block<3, 1>(static_cast<Eigen::Index>(3 * i), k);
+            primitive.targets.push_back({{"POSITION", addVectors(moved, true)}});
+        }
         tinygltf::Mesh mesh;
         mesh.name = name;
+        if (shapes.cols() > 0) {
+            tinygltf::Value::Array names;
+            for (const std::string_view shape : kShapeParameterNames)
+                names.emplace_back(std::string(shape));
+            mesh.extras = tinygltf::Value(tinygltf::Value::Object{{"targetNames", tinygltf::Value(names)}});
+        }
         mesh.primitives.push_back(primitive);
         model_.meshes.push_back(mesh);
         tinygltf::Node node;
@@ -250,6 +263,14 @@ std::vector<float> asFloats(const Values& values) {
     return result;
 }
 
+/// Column by column.
+tinygltf::Value asNumbers(const Eigen::MatrixXf& matrix) {
+    tinygltf::Value::Array numbers;
+    for (Eigen::Index k = 0; k < matrix.size(); ++k)
+        numbers.emplace_back(static_cast<double>(matrix.reshaped()[k]));
+    return tinygltf::Value(numbers);
+}
+
 }  // namespace
 
 std::string hashText(std::uint64_t hash) {
@@ -292,13 +313,21 @@ Expected<std::vector<std::uint8_t>> encodeBody(const Body& body) {
     document.addSkin(body.joints);
     if (auto added = document.addMaterial(body.material); !added) return added.error();
     const RestMesh& mesh = body.mesh;
-    document.addMesh("Body", mesh.positions, mesh.normals, mesh.uv, mesh.weights, mesh.triangles, {}, 0);
+    document.addMesh("Body", mesh.positions, mesh.normals, mesh.uv, mesh.weights, mesh.triangles, {}, 0,
+                     body.shapes.mesh);
     const CageTemplate& cage = body.cageTemplate;
     document.addMesh(
         "Body_OuterCage", body.outerCage, {}, cage.uv, body.cageWeights, cage.triangles,
-        {{"_WELD", asFloats(cage.weld)}, {"_MIRRORED", asFloats(cage.mirrored)}, {"_PART", asFloats(cage.part)}}, -1);
-    return document.encode({{"format", tinygltf::Value(std::string("cheval-body-1"))},
-                            {"template_hash", tinygltf::Value(hashText(cage.hash))}});
+        {{"_WELD", asFloats(cage.weld)}, {"_MIRRORED", asFloats(cage.mirrored)}, {"_PART", asFloats(cage.part)}}, -1,
+        body.shapes.cage);
+    tinygltf::Value::Object extras = {{"format", tinygltf::Value(std::string("cheval-body-1"))},
+                                      {"template_hash", tinygltf::Value(hashText(cage.hash))}};
+    if (body.shapes.mesh.cols() > 0) {
+        extras["shape_joints"] = asNumbers(body.shapes.joints);
+        extras["shape_mean"] = asNumbers(body.shapes.mean);
+        extras["shape_covariance"] = asNumbers(body.shapes.covariance);
+    }
+    return document.encode(extras);
 }
 
 Expected<std::vector<std::uint8_t>> encodeGarment(const Garment& garment, const Body& body) {

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <optional>
 
+#include "fitting/body/body_measures.h"
 #include "fitting/body/sample_window.h"
+#include "fitting/body/shape_fit.h"
 #include "fitting/body/silhouette.h"
 
 namespace cheval::fitting {
@@ -45,11 +47,13 @@ constexpr float kChestLevel = 0.42F;  // Just below the armpits, where arms held
 constexpr float kHipLevel = 1.0F;
 
 constexpr float kSeen = 0.5F;
-constexpr float kFacing = 0.45F;          // Sine of how far the shoulders may be turned from the glass.
-constexpr float kLeaning = 0.26F;         // Sine of how far the trunk may lean.
-constexpr std::size_t kFirstSamples = 5;  // Enough for a first shape.
-constexpr int kDwellFrames = 15;          // Between two shapes: garments are not fitted again for a passing twitch.
-constexpr float kWorthFitting = 0.01F;    // One per cent.
+constexpr float kFacing = 0.45F;           // Sine of how far the shoulders may be turned from the glass.
+constexpr float kLeaning = 0.26F;          // Sine of how far the trunk may lean.
+constexpr std::size_t kFirstSamples = 5;   // Enough for a first shape.
+constexpr int kDwellFrames = 15;           // Between two shapes: garments are not fitted again for a passing twitch.
+constexpr float kWorthFitting = 0.01F;     // One per cent.
+constexpr float kWorthRefitting = 0.004F;  // Metres of a parameter of the fitted body …
+constexpr float kLongestStep = 0.008F;     // … and the farthest that it moves at a time.
 // From the palm's centre back to the wrist, as part of elbow to palm (half a palm of 0.06 statures over a forearm of
 // 0.146: Drillis and Contini 1966).
 constexpr float kPalmToWrist = 0.17F;
@@ -58,9 +62,35 @@ constexpr float kOutlinePixels = 0.7F;
 
 // Standard uncertainties in metres that stay however long one looks: hair and soles, where a joint is taken to be, and
 // how far trousers hang below the crotch.
-constexpr float kHairAndShoes = 0.01F;
-constexpr float kJointPlace = 0.01F;
-constexpr float kTrouserRise = 0.03F;
+constexpr float kHairAndShoes = 0.006F;
+constexpr float kJointPlace = 0.006F;
+constexpr float kTrouserRise = 0.018F;
+
+// What hair and soles add to a stature, and how far below the crotch the gap between the legs ends, at most shoppers.
+constexpr float kHairAndShoesHeight = 0.0F;
+constexpr float kCrotchBelow = -0.035F;
+// What the covariance does not know of, in the order of Dimension, metres: sections, postures and joints that are not
+// the model's. By simulated people whom the model does not describe.
+constexpr std::array<float, kDimensionCount> kModelFault = {0.018F, 0.045F, 0.025F, 0.035F,
+                                                            0.010F, 0.014F, 0.014F, 0.022F};
+constexpr float kStraight = 0.96F;        // Of a leg's length, from hip to ankle.
+constexpr float kBetweenJoints = 0.004F;  // Metres: lengths between joints are the tracker's to tell, not the trunk's.
+constexpr int kSolveEvery = 5;            // Frames.
+constexpr float kChildStature = 1.45F;
+constexpr float kSeatedKnee = 0.75F;   // Of the hips' height above the ankles: knees of who stands are lower.
+constexpr float kElbowRoom = 0.15F;    // Metres between two people's boxes.
+constexpr float kAnkleHeight = 0.10F;  // Metres, in shoes …
+constexpr float kFloorAstray = 0.12F;  // … and farther off than this, it is the floor that is elsewhere.
+// Waist by chest from which it may be cloth that falls from the chest and hides the waist; hardly a body is that
+// straight.
+constexpr float kStraightDown = 0.915F;
+// How far girths under such clothes may be off, and what lies low or high when it was out of the picture; as
+// kModelFault.
+constexpr std::array<float, kDimensionCount> kHiddenFault = {0.035F, 0.070F, 0.170F, 0.090F,
+                                                             0.040F, 0.015F, 0.015F, 0.030F};
+constexpr float kUnseenFault = 0.050F;
+constexpr float kShareStep = 0.125F;  // The fitted body takes over in so many steps …
+constexpr int kShareFrames = 3;       // … this many frames apart.
 
 constexpr float kSmallestScale = 0.6F;
 constexpr float kLargestScale = 1.5F;
@@ -141,11 +171,20 @@ Proportions measureMannequin(const Body& body) {
 }  // namespace
 
 struct BodyEstimator::State {
+    const Body& body;
     BodyEstimatorOptions options;
+    ShapeFit fit;
+    std::optional<BodyMeasures> measures;  ///< Of a body that has shapes.
+    MeasuredParameters mannequinMeasures = MeasuredParameters::Zero();
+    ShapedBody fitted;  ///< The fitted body, to be measured.
+    int fitFrames = 0;  ///< Frames that told something about the trunk.
+    int sinceSolve = 0;
+    float share = 0.0F;  ///< Of the fitted body in the shape.
     Proportions mannequin;
     std::array<SampleWindow, kProportionCount> windows;
     SampleWindow armLength;
     SampleWindow insideLeg;
+    SampleWindow ankleHeight;  ///< Of who stands on straight legs: where the floor is, as far as the sensor knows.
     Measurements measurements;
     BodyShape shape;
     std::uint32_t user = 0;
@@ -153,16 +192,31 @@ struct BodyEstimator::State {
     int sinceShape = 0;
     float pixelMetres = 0.0F;  // What one pixel spans at the shopper.
 
+    State(const Body& theBody, const BodyEstimatorOptions& theOptions)
+        : body(theBody), options(theOptions), fit(theBody), mannequin(measureMannequin(theBody)) {
+        if (theBody.shapes.mesh.cols() == 0) return;
+        measures.emplace(theBody);
+        mannequinMeasures = measures->measure(theBody.mesh.positions, theBody.joints);
+        shapeBody(theBody, {.fitted = 1.0F}, fitted);
+    }
+
     void forget() {
+        fit.reset();
+        fitFrames = 0;
+        sinceSolve = 0;
+        share = 0.0F;
         for (SampleWindow& window : windows)
             window.clear();
         armLength.clear();
         insideLeg.clear();
+        ankleHeight.clear();
         measurements = {};
         frames = 0;
         sinceShape = 0;
         if (shape.measured) {
             shape.scale.setOnes();
+            shape.parameters.setZero();
+            shape.fitted = 0.0F;
             shape.measured = false;
             shape.converged = false;
             ++shape.revision;
@@ -172,6 +226,16 @@ struct BodyEstimator::State {
     bool addEvidence(const hal::DepthFrame& frame, const Users& users, const User& active, const Skeleton& skeleton,
                      const SensorPlacement& placement);
     void addArms(const Skeleton& skeleton, Proportions& seen);
+    bool addTrunk(const hal::DepthFrame& frame, const Users& users, const User& active, const Skeleton& skeleton,
+                  const SensorPlacement& placement);
+    void solve();
+    /// Whether clothes may hide the trunk, as far as the fitted body tells.
+    [[nodiscard]] bool hidden() const {
+        const Measurement& chest = measurements[Dimension::chestGirth];
+        const Measurement& waist = measurements[Dimension::waistGirth];
+        return chest.valid && waist.valid && waist.value > kStraightDown * chest.value;
+    }
+    void doubt(const Users& users, const User& active, const Skeleton& skeleton);
     void report();
     void reshape();
     template <std::size_t N>
@@ -184,6 +248,23 @@ bool all(const Skeleton& skeleton, std::initializer_list<Joint> joints) {
     return std::all_of(joints.begin(), joints.end(), [&](Joint joint) {
         return skeleton[joint].confidence >= kSeen && skeleton[joint].position.allFinite();
     });
+}
+
+bool upright(const Skeleton& skeleton) {
+    if (!all(skeleton, {Joint::neck, Joint::torso})) return false;
+    const Eigen::Vector3f up = skeleton[Joint::neck].position - skeleton[Joint::torso].position;
+    return up.norm() > 0.1F && std::hypot(up.x(), up.z()) < kLeaning * up.norm();
+}
+
+bool onStraightLegs(const Skeleton& skeleton) {
+    for (const auto& [hip, knee, foot] : {std::array{Joint::leftHip, Joint::leftKnee, Joint::leftFoot},
+                                          std::array{Joint::rightHip, Joint::rightKnee, Joint::rightFoot}}) {
+        if (!all(skeleton, {hip, knee, foot})) continue;
+        const float leg = (skeleton[hip].position - skeleton[knee].position).norm() +
+                          (skeleton[knee].position - skeleton[foot].position).norm();
+        if (skeleton[hip].position.y() - skeleton[foot].position.y() > kStraight * leg) return true;
+    }
+    return false;
 }
 
 // Whether a shopper stands upright and faces the glass (or turns the back to it), as far as joints tell.
@@ -215,6 +296,44 @@ void BodyEstimator::State::addArms(const Skeleton& skeleton, Proportions& seen) 
     if (count == 0) return;
     seen[kElbowToPalm] = forearms / static_cast<float>(count);
     armLength.add(arms / static_cast<float>(count));
+}
+
+// Also from the side and from behind, as long as the shopper is upright.
+bool BodyEstimator::State::addTrunk(const hal::DepthFrame& frame, const Users& users, const User& active,
+                                    const Skeleton& skeleton, const SensorPlacement& placement) {
+    if (!upright(skeleton)) return false;
+    const Silhouette silhouette(frame, users.map, active.label, skeleton, placement);
+    const bool straight = onStraightLegs(skeleton);
+    for (const Joint foot : {Joint::leftFoot, Joint::rightFoot}) {
+        if (straight && all(skeleton, {foot})) ankleHeight.add(skeleton[foot].position.y());
+    }
+    const bool stands = straight && silhouette.standsInPicture();
+    return fit.add({.frame = &frame,
+                    .map = users.map,
+                    .label = active.label,
+                    .skeleton = &skeleton,
+                    .placement = &placement,
+                    .stands = stands});
+}
+
+// What is told apart from the trunk's surface: lengths between joints and heights above the floor.
+void BodyEstimator::State::solve() {
+    std::array<ParameterReading, 4> readings{};
+    std::size_t count = 0;
+    const float outline = kOutlinePixels * pixelMetres;
+    const auto read = [&](ShapeParameter parameter, const SampleWindow& window, float systematic, float bias) {
+        const SampleWindow::Average average = window.average();
+        if (average.count < kFirstSamples) return;
+        readings[count++] = {
+            .parameter = parameter,
+            .value = average.value - bias - mannequinMeasures[static_cast<Eigen::Index>(index(parameter))],
+            .uncertainty = std::hypot(average.standardError, systematic)};
+    };
+    read(ShapeParameter::stature, windows[kStature], outline, kHairAndShoesHeight);
+    read(ShapeParameter::shoulderBreadth, windows[kShoulderBreadth], kBetweenJoints, 0.0F);
+    read(ShapeParameter::armLength, armLength, kBetweenJoints, 0.0F);
+    read(ShapeParameter::insideLeg, insideLeg, outline + kTrouserRise, kCrotchBelow);
+    fit.solve(std::span(readings.data(), count));
 }
 
 bool BodyEstimator::State::addEvidence(const hal::DepthFrame& frame, const Users& users, const User& active,
@@ -256,6 +375,27 @@ bool BodyEstimator::State::addEvidence(const hal::DepthFrame& frame, const Users
 void BodyEstimator::State::report() {
     measurements.frames = std::min(frames, options.averagedFrames);
     measurements.converged = frames >= options.averagedFrames;
+    if (measures && fitFrames >= static_cast<int>(kFirstSamples)) {
+        measurements.converged = measurements.converged && fitFrames >= options.averagedFrames;
+        shapeBody(body, {.parameters = fit.estimate().parameters, .fitted = 1.0F}, fitted);
+        const MeasuredParameters values = measures->measure(fitted.positions, fitted.joints);
+        for (std::size_t i = 0; i < kDimensionCount; ++i) {
+            const auto k = static_cast<Eigen::Index>(i);
+            measurements.dimensions[i] = {.value = values[k],
+                                          .uncertainty = std::hypot(fit.estimate().uncertainty[k], kModelFault[i]),
+                                          .valid = true};
+        }
+        const bool unseen = windows[kStature].count() < kFirstSamples;
+        for (std::size_t i = 0; i < kDimensionCount; ++i) {
+            float& uncertainty = measurements.dimensions[i].uncertainty;
+            if (hidden()) uncertainty = std::hypot(uncertainty, kHiddenFault[i]);
+            const auto dimension = static_cast<Dimension>(i);
+            if (unseen && (dimension == Dimension::stature || dimension == Dimension::insideLeg)) {
+                uncertainty = std::hypot(uncertainty, kUnseenFault);
+            }
+        }
+        return;
+    }
     const auto put = [this](Dimension dimension, const SampleWindow& window, float systematic) {
         const SampleWindow::Average average = window.average();
         measurements[dimension] = {.value = average.value,
@@ -268,6 +408,50 @@ void BodyEstimator::State::report() {
     put(Dimension::shoulderBreadth, windows[kShoulderBreadth], outline + kJointPlace);
     put(Dimension::armLength, armLength, outline + kJointPlace);
     put(Dimension::insideLeg, insideLeg, outline + kTrouserRise);
+}
+
+// Why no size should be told, the plainest reason first.
+void BodyEstimator::State::doubt(const Users& users, const User& active, const Skeleton& skeleton) {
+    MeasurementDoubt& result = measurements.doubt;
+    result = MeasurementDoubt::none;
+    const auto hipsHeight = [&skeleton](Joint hip, Joint knee, Joint foot) {
+        const float ankle = skeleton[foot].position.y();
+        return all(skeleton, {hip, knee, foot}) &&
+               skeleton[knee].position.y() - ankle > kSeatedKnee * (skeleton[hip].position.y() - ankle);
+    };
+    if (hipsHeight(Joint::leftHip, Joint::leftKnee, Joint::leftFoot) ||
+        hipsHeight(Joint::rightHip, Joint::rightKnee, Joint::rightFoot)) {
+        result = MeasurementDoubt::seated;
+        return;
+    }
+    for (std::size_t i = 0; i < users.count; ++i) {
+        const User& other = users.users[i];
+        if (other.id == active.id) continue;
+        const bool apart = ((other.lower - active.upper).array() > kElbowRoom).any() ||
+                           ((active.lower - other.upper).array() > kElbowRoom).any();
+        if (!apart) {
+            result = MeasurementDoubt::crowded;
+            return;
+        }
+    }
+    const SampleWindow::Average ankles = ankleHeight.average();
+    if (ankles.count >= kFirstSamples && std::abs(ankles.value - kAnkleHeight) > kFloorAstray) {
+        result = MeasurementDoubt::tiltUnknown;
+        return;
+    }
+    if (windows[kStature].count() < kFirstSamples && frames >= options.averagedFrames) {
+        result = MeasurementDoubt::partlySeen;
+        return;
+    }
+    if (!measurements.converged) {
+        result = MeasurementDoubt::measuring;
+        return;
+    }
+    if (measurements[Dimension::stature].value < kChildStature) {
+        result = MeasurementDoubt::child;
+        return;
+    }
+    if (hidden()) result = MeasurementDoubt::looseClothes;
 }
 
 template <std::size_t N>
@@ -296,6 +480,24 @@ void BodyEstimator::State::reshape() {
     const Eigen::Vector3f scale(x, y, 0.5F * (x + y));
     const bool first = !shape.measured;
     const bool converges = measurements.converged && !shape.converged;
+    // The fitted body takes over step by step once it is known, so that no garment jumps.
+    const bool takesOver = measures && measurements.converged && sinceShape >= kShareFrames && shape.measured &&
+                           shape.converged && share < 1.0F;
+    if (takesOver) share = std::min(1.0F, share + kShareStep);
+    if (shape.fitted > 0.0F || takesOver) {
+        const ShapeParameters& wanted = fit.estimate().parameters;
+        const bool grown = ((wanted - shape.parameters).array().abs() > kWorthRefitting).any();
+        if (!takesOver && !(grown && sinceShape >= kDwellFrames)) return;
+        shape.fitted = share;
+        if (takesOver && shape.parameters.isZero()) {
+            shape.parameters = wanted;
+        } else {
+            shape.parameters += (wanted - shape.parameters).cwiseMax(-kLongestStep).cwiseMin(kLongestStep);
+        }
+        ++shape.revision;
+        sinceShape = 0;
+        return;
+    }
     const bool differs = ((scale - shape.scale).array().abs() > kWorthFitting * shape.scale.array()).any();
     if (!first && !converges && !(differs && sinceShape >= kDwellFrames)) return;
     shape.scale = scale;
@@ -306,10 +508,7 @@ void BodyEstimator::State::reshape() {
 }
 
 BodyEstimator::BodyEstimator(const Body& body, const BodyEstimatorOptions& options)
-    : state_(std::make_unique<State>()) {
-    state_->options = options;
-    state_->mannequin = measureMannequin(body);
-}
+    : state_(std::make_unique<State>(body, options)) {}
 
 BodyEstimator::~BodyEstimator() = default;
 
@@ -326,10 +525,22 @@ void BodyEstimator::update(const hal::DepthFrame& frame, const Users& users, con
     const bool usable = skeleton.present() && skeleton.userId == active->id && !users.map.empty() &&
                         users.map.width == frame.depth.width && users.map.height == frame.depth.height &&
                         !frame.depth.empty();
-    if (!usable || !s.addEvidence(frame, users, *active, skeleton, placement)) return;
-    s.frames = std::min(s.frames + 1, std::max(s.options.averagedFrames, 1));
-    s.report();
-    s.reshape();
+    if (!usable) return;
+    const bool trunk = s.measures && s.addTrunk(frame, users, *active, skeleton, placement);
+    const bool lengths = s.addEvidence(frame, users, *active, skeleton, placement);
+    if (trunk) ++s.fitFrames;
+    if (lengths) s.frames = std::min(s.frames + 1, std::max(s.options.averagedFrames, 1));
+    if (!trunk && !lengths) {
+        s.doubt(users, *active, skeleton);
+        return;
+    }
+    if (s.measures && ++s.sinceSolve >= kSolveEvery) {
+        s.solve();
+        s.sinceSolve = 0;
+    }
+    if (s.sinceSolve == 0) s.report();
+    s.doubt(users, *active, skeleton);
+    if (lengths || s.share > 0.0F) s.reshape();
 }
 
 void BodyEstimator::reset() {

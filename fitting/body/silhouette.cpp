@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fitting/body/arm_reach.h"
+
 namespace cheval::fitting {
 
 namespace {
@@ -10,16 +12,8 @@ namespace {
 constexpr float kSeen = 0.5F;         // Confidence from which a joint counts as seen.
 constexpr int kBridgedPixels = 3;     // Drop-outs of the sensor within the outline.
 constexpr int kBorderPixels = 2;      // An outline that comes this near to the border may go on beyond it.
-constexpr float kArmRadius = 0.065F;  // metres about an arm's bones
 constexpr float kHeadReach = 0.35F;   // metres from the head's centre to the highest hair
 constexpr float kFootHeight = 0.25F;  // metres; an ankle above it does not stand on the floor
-
-float distanceToSegment(const Eigen::Vector3f& point, const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
-    const Eigen::Vector3f along = b - a;
-    const float squared = along.squaredNorm();
-    const float t = squared > 0.0F ? std::clamp((point - a).dot(along) / squared, 0.0F, 1.0F) : 0.0F;
-    return (point - (a + t * along)).norm();
-}
 
 }  // namespace
 
@@ -47,23 +41,7 @@ bool Silhouette::onArm(int u, int v, float depth) const {
     const float z = reading != 0 ? static_cast<float>(reading) : depth;
     const Eigen::Vector3f point =
         placement_.toMirror(unproject(frame_.intrinsics, static_cast<float>(u), static_cast<float>(v), z));
-    for (const auto& [shoulder, elbow, hand] :
-         {std::array{Joint::leftShoulder, Joint::leftElbow, Joint::leftHand},
-          std::array{Joint::rightShoulder, Joint::rightElbow, Joint::rightHand}}) {
-        const JointState& upper = skeleton_[shoulder];
-        const JointState& middle = skeleton_[elbow];
-        const JointState& lower = skeleton_[hand];
-        if (middle.confidence < kSeen) continue;
-        // The shoulder itself is the trunk's.
-        const Eigen::Vector3f start = upper.position + 0.4F * (middle.position - upper.position);
-        if (upper.confidence >= kSeen && distanceToSegment(point, start, middle.position) < kArmRadius) return true;
-        if (lower.confidence >= kSeen) {
-            // Fingers go on past the palm.
-            const Eigen::Vector3f fingers = lower.position + 0.35F * (lower.position - middle.position);
-            if (distanceToSegment(point, middle.position, fingers) < kArmRadius) return true;
-        }
-    }
-    return false;
+    return fitting::onArm(skeleton_, point);
 }
 
 std::optional<int> Silhouette::outlineEnd(Pixel from, int step, float depth) const {

@@ -151,6 +151,18 @@ std::optional<double> AssetFile::number(const std::string& key) const {
     return value != nullptr && value->IsNumber() ? std::optional(value->GetNumberAsDouble()) : std::nullopt;
 }
 
+std::optional<std::vector<double>> AssetFile::numbers(const std::string& key) const {
+    const tinygltf::Value* const value = state_->extra(key);
+    if (value == nullptr || !value->IsArray()) return std::nullopt;
+    std::vector<double> numbers(value->ArrayLen());
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        const tinygltf::Value& entry = value->Get(static_cast<int>(i));
+        if (!entry.IsNumber()) return std::nullopt;
+        numbers[i] = entry.GetNumberAsDouble();
+    }
+    return numbers;
+}
+
 Expected<std::uint64_t> AssetFile::templateHash(const std::string& format) const {
     const auto found = text("format");
     if (found != format) {
@@ -235,6 +247,15 @@ Expected<AssetMesh> AssetFile::mesh(const std::string& nodeName, const MeshNeeds
         mesh.uv.resize(count);
         for (std::size_t i = 0; i < count; ++i)
             mesh.uv[i] = {(*uv)[2 * i], (*uv)[2 * i + 1]};
+    }
+    for (std::size_t i = 0; i < primitive.targets.size(); ++i) {
+        const std::string name = "targets[" + std::to_string(i) + "].POSITION";
+        const auto found = primitive.targets[i].find("POSITION");
+        const auto moved = found == primitive.targets[i].end() ? std::nullopt : readFloats(model, found->second, 3);
+        if (!moved) return missing(name.c_str(), "three floats");
+        if (moved->size() != 3 * count) return otherLength(name);
+        if (!isSound(*moved, kFarthest)) return unsound(name.c_str());
+        result.shapes.push_back(toPoints(*moved));
     }
     for (const auto& [name, accessor] : primitive.attributes) {
         if (name.empty() || name[0] != '_') continue;

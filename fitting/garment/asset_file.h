@@ -34,6 +34,7 @@ struct AssetLimits {
 struct AssetMesh {
     std::string node;
     RestMesh mesh;
+    std::vector<std::vector<Eigen::Vector3f>> shapes;   ///< Displacements of the morph targets, in order.
     std::map<std::string, std::vector<float>> scalars;  ///< Attributes whose names begin with "_".
 };
 
@@ -76,6 +77,8 @@ class AssetFile {
     /// asset.extras.cheval.
     [[nodiscard]] std::optional<std::string> text(const std::string& key) const;
     [[nodiscard]] std::optional<double> number(const std::string& key) const;
+    /// Nothing unless it is a list of numbers alone.
+    [[nodiscard]] std::optional<std::vector<double>> numbers(const std::string& key) const;
     /// Errors unless "format" is `format`; then the template hash.
     [[nodiscard]] Expected<std::uint64_t> templateHash(const std::string& format) const;
 

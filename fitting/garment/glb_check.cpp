@@ -91,6 +91,7 @@ class Checker {
     Expected<void> checkBuffers(const json& document, std::uint64_t binaryBytes);
     Expected<void> checkViews(const json& views);
     Expected<void> checkAccessor(const json& accessor, const json& views, const std::string& key) const;
+    bool soundTargets(const json& targets, std::size_t accessors) const;
     Expected<void> checkMeshes(const json& document) const;
     Expected<void> checkImages(const json& document) const;
     Expected<void> checkReferences(const json& document) const;
@@ -263,6 +264,16 @@ Expected<void> Checker::checkAccessor(const json& accessor, const json& views, c
     return {};
 }
 
+bool Checker::soundTargets(const json& targets, std::size_t accessors) const {
+    if (!targets.is_array() || targets.size() > limits_.morphTargets) return false;
+    return std::all_of(targets.begin(), targets.end(), [&](const json& target) {
+        return target.is_object() && target.size() <= limits_.objects &&
+               std::all_of(target.begin(), target.end(), [&](const json& attribute) {
+                   return attribute.is_number_unsigned() && attribute.get<std::uint64_t>() < accessors;
+               });
+    });
+}
+
 Expected<void> Checker::checkMeshes(const json& document) const {
     const std::size_t accessors = document.contains("accessors") ? document["accessors"].size() : 0;
     const auto meshes = document.find("meshes");
@@ -277,9 +288,14 @@ Expected<void> Checker::checkMeshes(const json& document) const {
         }
         const json& primitive = primitives->front();
         const auto mode = whole(primitive, "mode", 4);
-        if (!mode || *mode != 4 || primitive.contains("targets")) {
+        const bool targets = primitive.contains("targets");
+        if (!mode || *mode != 4 || (targets && limits_.morphTargets == 0)) {
             return refuse(key, "it is not plain triangles", "export triangles, without shape keys",
                           "only triangles are drawn");
+        }
+        if (targets && !soundTargets(primitive["targets"], accessors)) {
+            return refuse(key + ".targets", "it refers to data that is not there, or has too many shape keys",
+                          kExportAgain, "at most " + std::to_string(limits_.morphTargets) + " are used");
         }
         const auto indices = whole(primitive, "indices", accessors);
         const auto attributes = primitive.find("attributes");

@@ -17,8 +17,9 @@ struct GlbLimits {
     std::uint64_t jsonBytes = 1ULL << 20;  ///< A garment's is about 10 KB; parsing takes some hundred times as much.
     std::uint64_t vertices = 100'000;      ///< Elements of one accessor that is not an index.
     std::uint64_t indices = 600'000;
-    std::size_t objects = 256;  ///< Nodes, meshes, accessors, … of each kind.
-    std::size_t nesting = 32;   ///< Of JSON arrays and objects: parsers recurse.
+    std::size_t objects = 256;     ///< Nodes, meshes, accessors, … of each kind.
+    std::size_t morphTargets = 0;  ///< Of one mesh; garments have none.
+    std::size_t nesting = 32;      ///< Of JSON arrays and objects: parsers recurse.
 };
 
 /// Checks container, chunk lengths, JSON, one embedded buffer, every buffer view and accessor (bounds, strides, types,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -269,6 +270,49 @@ TEST(BodyEstimator, TakesNoMemoryAfterItsConstruction) {
     scene.estimator.reset();
     scene.see(5);
     EXPECT_EQ(counter.count(), 0U);
+}
+
+TEST(BodyEstimator, SaysWhyNoSizeShouldBeTold) {
+    Scene scene(Eigen::Vector3f::Ones());
+    scene.see(3);
+    EXPECT_EQ(scene.estimator.measurements().doubt, MeasurementDoubt::measuring);
+    scene.see(60);
+    EXPECT_EQ(scene.estimator.measurements().doubt, MeasurementDoubt::none);
+
+    // Somebody else within an arm's length.
+    scene.users.users[0].lower = {-0.3F, 0.0F, 2.7F};
+    scene.users.users[0].upper = {0.3F, 1.8F, 3.1F};
+    scene.users.users[1] = {.id = 6, .lower = {0.35F, 0.0F, 2.7F}, .upper = {0.9F, 1.8F, 3.1F}, .label = 2};
+    scene.users.count = 2;
+    scene.see(1);
+    EXPECT_EQ(scene.estimator.measurements().doubt, MeasurementDoubt::crowded);
+    scene.users.users[1].lower.x() = 0.6F;
+    scene.see(1);
+    EXPECT_EQ(scene.estimator.measurements().doubt, MeasurementDoubt::none);
+
+    // Knees as high as hips.
+    for (const auto& [hip, knee] :
+         {std::pair(Joint::leftHip, Joint::leftKnee), std::pair(Joint::rightHip, Joint::rightKnee)})
+        scene.skeleton[knee].position.y() = scene.skeleton[hip].position.y();
+    scene.see(1);
+    EXPECT_EQ(scene.estimator.measurements().doubt, MeasurementDoubt::seated);
+}
+
+TEST(BodyEstimator, TellsChildrenNoSize) {
+    Scene scene(Eigen::Vector3f::Constant(0.72F), 2.5F);
+    scene.see(60);
+    ASSERT_TRUE(scene.measured(Dimension::stature).valid);
+    ASSERT_LT(scene.measured(Dimension::stature).value, 1.4F);
+    EXPECT_EQ(scene.estimator.measurements().doubt, MeasurementDoubt::child);
+}
+
+TEST(BodyEstimator, TellsNoSizeOfHalfAPerson) {
+    Scene scene(Eigen::Vector3f::Ones());
+    // The feet are below the picture, so nothing is known of heights above the floor.
+    for (const Joint foot : {Joint::leftFoot, Joint::rightFoot})
+        scene.skeleton[foot].confidence = 0.0F;
+    scene.see(60);
+    EXPECT_EQ(scene.estimator.measurements().doubt, MeasurementDoubt::partlySeen);
 }
 
 TEST(SampleWindow, AveragesWhatIsNotAstray) {
