@@ -165,6 +165,7 @@ void FrameChain::cameraOpened(const fitting::TrackerOptions& options) {
 void FrameChain::personMayHaveChanged() {
     if (estimator_ != nullptr) estimator_->reset();
     if (animator_ != nullptr) animator_->reset();
+    adviser_.reset();
     hands_ = {};
 }
 
@@ -180,6 +181,7 @@ hal::Duration FrameChain::process(const ChainInput& input, FramePacket& packet) 
     hands_.gestureCount = 0;
     if (input.frame != nullptr && input.frame->restart) {
         session_.reset();
+        adviser_.reset();
         hands_ = {};
         if (animator_ != nullptr) animator_->reset();
     }
@@ -244,7 +246,27 @@ void FrameChain::fitOutfit() {
     fitter_->fit(shaped_, fittedOutfit_);
 }
 
+void FrameChain::adviseSize() {
+    const std::uint32_t user = input_->frame == nullptr ? 0 : tracker_->users().activeId;
+    // Nobody is told the size of whoever stood there before.
+    if (session_.state() == SessionState::idle || (user != 0 && user != advisedUser_)) adviser_.reset();
+    advisedUser_ = user != 0 ? user : session_.state() == SessionState::idle ? 0 : advisedUser_;
+    if (user == 0) return;
+    fitting::SizeQuestion question{.measurements = measurements()};
+    const fitting::Outfit outfit = chosen();
+    // What is worn outermost is what a shopper looks at; a hat over it has no size of these.
+    for (std::size_t i = outfit.count; i > 0 && question.chart == nullptr; --i) {
+        const fitting::Garment& garment = wardrobe_.garments[outfit.garments[i - 1]];
+        const fitting::SizeChart* chart = sizeChartOf(wardrobe_, garment);
+        if (chart == nullptr || fitting::primaryGirths(garment.kind, *chart).count == 0) continue;
+        question.chart = chart;
+        question.kind = garment.kind;
+    }
+    adviser_.update(question, input_->time);
+}
+
 void FrameChain::handOver() {
+    adviseSize();
     FramePacket& packet = *packet_;
     packet.hasPicture = input_->frame != nullptr;
     packet.captureTime = input_->time;
@@ -274,6 +296,8 @@ void FrameChain::handOver() {
               .wardrobe = &wardrobe_,
               .hands = &hands_,
               .placement = &packet.placement,
+              .advice = &adviser_.advice(),
+              .measurements = measurements(),
               .intrinsics = packet.intrinsics,
               .mapping = input_->frame != nullptr ? &mapping_ : nullptr,
               .displayWidth = displayWidth_,

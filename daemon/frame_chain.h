@@ -17,6 +17,7 @@
 #include "daemon/wardrobe.h"
 #include "fitting/animation/animator.h"
 #include "fitting/body/body_estimator.h"
+#include "fitting/body/size_advice.h"
 #include "fitting/layering/outfit_fitter.h"
 #include "fitting/tracking/tracker.h"
 #include "hal/buttons.h"
@@ -76,6 +77,8 @@ class FrameChain {
     [[nodiscard]] const fitting::Hands& hands() const { return hands_; }
     /// Null without a mannequin.
     [[nodiscard]] const fitting::Measurements* measurements() const;
+    /// On the size of the outermost garment that has one.
+    [[nodiscard]] const fitting::SizeAdvice& advice() const { return adviser_.advice(); }
     /// Why the buttons cannot be read; empty while they can.
     [[nodiscard]] std::string_view buttonsFault() const { return buttonsFault_.view(); }
     [[nodiscard]] const Scheduler& scheduler() const { return scheduler_; }
@@ -90,6 +93,7 @@ class FrameChain {
     void pollButtons();
     void updateSession();
     void fitOutfit();
+    void adviseSize();
     void handOver();
     [[nodiscard]] fitting::Outfit chosen() const;
     [[nodiscard]] bool outfitChanged() const;
@@ -106,6 +110,8 @@ class FrameChain {
     fitting::BodyShape fittedShape_;
     fitting::Outfit fittedOutfit_;
     fitting::Hands hands_;
+    fitting::SizeAdviser adviser_;
+    std::uint32_t advisedUser_ = 0;  ///< Whose size it is; 0: nobody's yet.
     /// The same crop as the renderer's, so that a cursor lies on its hand.
     render::CropFollower crop_;
     render::MirrorMapping mapping_;

@@ -89,6 +89,7 @@ class MirrorTest : public testing::Test {
                                            screens_.push_back(packet.hud.screen);
                                            service_ = packet.hud.service.view();
                                            prompt_ = packet.hud.prompt.view();
+                                           advice_ = packet.hud.advice.view();
                                        }});
         EXPECT_TRUE(made);
         mirror_ = std::move(*made);
@@ -119,6 +120,7 @@ class MirrorTest : public testing::Test {
     std::vector<render::Screen> screens_;
     std::string service_;
     std::string prompt_;
+    std::string advice_;
 };
 
 TEST_F(MirrorTest, dressesTheSimulatedShopperAndChangesOnAButton) {
@@ -134,6 +136,42 @@ TEST_F(MirrorTest, dressesTheSimulatedShopperAndChangesOnAButton) {
     buttons_.press(hal::Button::view);
     ASSERT_TRUE(mirror.step(never));
     EXPECT_TRUE(mirror.status().avatarView);
+}
+
+TEST_F(MirrorTest, saysSomethingOfTheSizeToWhoIsDressedAndToNobodyElse) {
+    Mirror& mirror = lightSimulation();
+    ASSERT_TRUE(mirror.step());
+    EXPECT_EQ(advice_, "");
+    while (mirror.status().state != SessionState::wearing && hal::seconds(clock_.now()) < 10.0)
+        ASSERT_TRUE(mirror.step(never));
+    ASSERT_EQ(mirror.status().state, SessionState::wearing);
+    ASSERT_TRUE(mirror.step());
+    // What exactly is the estimator's business; that it is a sentence of ours is this one's.
+    EXPECT_THAT(advice_,
+                testing::AnyOf(testing::StartsWith("Size: I cannot tell: "), testing::StartsWith("Your size: "),
+                               testing::StartsWith("Between "), testing::HasSubstr("our sizes")));
+    EXPECT_THAT(service_, testing::Not(testing::HasSubstr(" cm")));
+}
+
+class MirrorWithABadSizeTable : public MirrorTest {
+  protected:
+    MirrorWithABadSizeTable()
+        : MirrorTest([] {
+              config::Settings settings = smallSettings();
+              settings.fitting.sizesFolder = "/nonexistent";
+              return settings;
+          }()) {}
+};
+
+TEST_F(MirrorWithABadSizeTable, dressesAllTheSameAndWithholdsTheAdvice) {
+    Mirror& mirror = lightSimulation();
+    ASSERT_EQ(wardrobe_.refusals.size(), 1U);
+    EXPECT_THAT(serviceText(wardrobe_.refusals.front()), testing::HasSubstr("size tables"));
+    while (mirror.status().state != SessionState::wearing && hal::seconds(clock_.now()) < 10.0)
+        ASSERT_TRUE(mirror.step(never));
+    ASSERT_EQ(mirror.status().state, SessionState::wearing);
+    ASSERT_TRUE(mirror.step());
+    EXPECT_EQ(advice_, "");
 }
 
 TEST_F(MirrorTest, doesWhatOtherProgramsAskForInItsNextFrame) {
