@@ -77,9 +77,9 @@ struct Scene {
                 const float wb = edge(c, a, x, y) / area;
                 if (wa < 0.0F || wb < 0.0F || wa + wb > 1.0F) continue;
                 const auto z = static_cast<std::uint16_t>(wa * a.z() + wb * b.z() + (1.0F - wa - wb) * c.z());
-                std::uint16_t& pixel = depth.pixels[static_cast<std::size_t>(v * 640 + u)];
+                std::uint16_t& pixel = depth.view().at(u, v);
                 if (pixel == 0 || z < pixel) pixel = z;
-                map.pixels[static_cast<std::size_t>(v * 640 + u)] = 1;
+                map.view().at(u, v) = 1;
             }
         }
     }
