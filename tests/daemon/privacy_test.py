@@ -42,9 +42,9 @@ kind = "session"
 # Names in any spelling; in any file.
 NAMES = re.compile(
     rb"(?i)girth|stature|inside[ _-]?leg|shoulder[ _-]?breadth|arm[ _-]?length|neck[ _-]?size|measurements?\b|"
-    rb"your size|between [0-9x]*[sml] and|\bbust\b")
-# Values with what makes them lengths; in texts alone, since any bytes come by chance in a picture.
-VALUES = re.compile(r"±|\+/-|\d\s?(?:cm|mm|centimet|millimet|inch)")
+    rb"your size|between [0-9x]*[sml] and")
+# Short names, and values with what makes them lengths; in texts alone, since such bytes come by chance in a picture.
+VALUES = re.compile(r"(?i:\bbust\b)|±|\+/-|\d\s?(?:cm|mm|centimet|millimet|inch)")
 
 # What the mirror says and is no measurement of anybody.
 HARMLESS = (
