@@ -34,9 +34,8 @@ struct ParameterReading {
 
 /// Each frame's evidence is a set of linear equations in the parameters and the thickness of the clothes, from which
 /// where and how the trunk stands in that frame has been eliminated. Equations of frames in which the trunk is seen
-/// from the same side say the same thing again, with the same clothes and the same faults of the model: they are
-/// averaged, side by side, and a side never counts for more than a few frames. Thread-bound; after construction it
-/// takes no memory.
+/// from the same side say the same thing again, with the same clothes and the same faults of the model: the n-th time
+/// counts about 1 / n, and what is old fades. Thread-bound; after construction it takes no memory.
 class ShapeFit {
   public:
     /// A body without shapes cannot be fitted: `add` then says so.
